@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What numba compiles, and the processor's seconds that each kernel takes: of the first run of a scene, or of the kernels of the tests.
+"""Compilation by numba, and the processor's seconds that each kernel takes: of the first run of a scene, or of the kernels of the tests.
 
     python -m benchmarks.compiling examples/aqueduct_sinusoidal.toml
     python -m benchmarks.compiling examples/church_sine.toml --set run.duration=0.1 --by type --rows 60

@@ -44,7 +44,7 @@ WORTH = 0.05  # least gain of a constant in its best scene
 
 @dataclass
 class Spent:
-    """What a scene cost, and how well it was solved."""
+    """Cost of a scene, and how well it was solved."""
 
     iterations: dict[str, int] = field(default_factory=lambda: dict.fromkeys(auto.METHODS, 0))  # by method
     cost: float = 0.0  # of these, counted [us]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What steps cost, counted and not timed: equal on every machine, so that a table shows how uneven the steps of a run are.
+"""Cost of steps, counted and not timed: equal on every machine, so that a table shows how uneven the steps of a run are.
 
 A step counts with what the methods did in it, and with a constant per contact for all else. An iteration counts by contacts, entries of H
 and operations of a factorisation; the weights were fitted to the processor time of ADMM and of Newton's steps in 14 shaken scenes of 1 to
@@ -41,7 +41,7 @@ def work(problem: Problem, pattern: Pattern) -> np.ndarray:
 
 
 def cost_of(method: str, problem: Problem, found: Solution) -> float:
-    """What the iterations of a method cost [us]."""
+    """Return the cost of the iterations of a method [us]."""
     if not found.iterations:
         return 0.0
     if method in ("nlgs", "accelerated"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What kinds of blocks cost, rigid, of uniform strain, cut into tetrahedra: the arcade of 50 spans, and a wall across its plane.
+r"""Cost of the kinds of blocks, rigid, of uniform strain, cut into tetrahedra: the arcade of 50 spans, and a wall across its plane.
 
     python -m benchmarks.element_kinds [arcade50] [wall] [--steps 60] [--young 5e9] [--mesh-size 10 0.3]
 

@@ -36,7 +36,7 @@ ALLOWED = 0.01  # share of the smaller part's width by which a gap may change mo
 
 @dataclass
 class Count:
-    """What the detections of a scene showed."""
+    """Counts over the detections of a scene."""
 
     steps: int = 0
     pairs: int = 0  # with contacts, over all steps

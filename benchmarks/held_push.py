@@ -51,7 +51,7 @@ class Trial:
 
 @dataclass
 class Bracket:
-    """What is known of the factor; an end that no trial gave is None."""
+    """Bracket of the factor; an end that no trial gave is None."""
 
     low: float | None = None
     high: float | None = None

@@ -130,7 +130,7 @@ def ended(pid: int) -> int:
 
 
 def strike_at(rng: random.Random, send: Callable[[], None]) -> Callable[[], None]:
-    """What a process does first so that it is struck before or after a random call of something that writes."""
+    """Return the first action of a process, by which it is struck before or after a random call of something that writes."""
     (owner, name), call, after = rng.choice(POINTS), rng.choice((1, 1, 2, 3, 5, 8, 20)), rng.random() < 0.5
 
     def install() -> None:
@@ -171,7 +171,7 @@ def struck(reference: Reference, words: list[str], said: Path, rng: random.Rando
 
 
 def check_between(out: Path, reference: Reference) -> None:
-    """What a strike has left must read, and be what the undisturbed run wrote up to there."""
+    """Check that what a strike has left reads, and is what the undisturbed run wrote up to there."""
     if not (out / "result.h5").exists():
         return
     with Results.open(out / "result.h5") as found, Results.open(reference.folder / "result.h5") as whole:
@@ -203,7 +203,7 @@ def check_end(out: Path, reference: Reference) -> None:
 
 
 def bits_of(array: np.ndarray) -> tuple[tuple[int, ...], bytes]:
-    """What must be alike: rows without columns, as of no joints, have a number but no bytes."""
+    """Return the shape and bytes that must be alike: rows without columns, as of no joints, have a number but no bytes."""
     return array.shape, array.tobytes()
 
 

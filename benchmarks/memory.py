@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Whether memory stays flat in a long run.
+r"""Memory over a long run, which must stay flat.
 
     python -m benchmarks.memory wall10x10 --steps 20000
 
@@ -43,7 +43,7 @@ class Memory:
         self.held.append(tracemalloc.get_traced_memory()[0] / 1e6)
 
     def growth(self) -> tuple[float, float]:
-        """Of resident and held memory, last sample beside the second."""
+        """Growth of resident and held memory, last sample against the second."""
         return self.resident[-1] / self.resident[1] - 1.0, self.held[-1] / self.held[1] - 1.0
 
 

@@ -35,7 +35,7 @@ from masonry_cd.mechanics.solvers import SOLVERS
 
 @dataclass(frozen=True)
 class Measured:
-    """What a run cost and how well it was solved."""
+    """Cost of a run, and how well it was solved."""
 
     scene: str
     solver: str

@@ -143,7 +143,7 @@ def row(asked: argparse.Namespace, friction: float) -> str:
 
 
 def arguments() -> argparse.ArgumentParser:
-    """Of the command line."""
+    """Return the parser of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int, help="spheres")
     parser.add_argument("--heap", action="store_true", help="onto a floor with a low rim, not into a box")

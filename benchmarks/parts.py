@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What each part of a step costs: a whole run, its results written, with a clock around every part.
+r"""Cost of each part of a step: a whole run, its results written, with a clock around every part.
 
     python -m benchmarks.parts wall71x36 --steps 20
     python -m benchmarks.parts church600 --steps 20 --json
@@ -127,7 +127,7 @@ def clocked(machine: Stepper) -> Iterator[Clocks]:
 
 @dataclass(frozen=True)
 class Costs:
-    """What the parts of a run cost."""
+    """Costs of the parts of a run."""
 
     scene: str
     blocks: int  # supports included

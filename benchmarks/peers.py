@@ -34,7 +34,7 @@ DEFAULT = ("arch27", "tower50", "wall10x10", "arcade3", "arcade50", "wall40x25")
 
 @dataclass
 class Rows:
-    """What one program did in its runs of a scene, run by run."""
+    """Results of one program in its runs of a scene, run by run."""
 
     first: list[float] = field(default_factory=list)  # ms of the first step, which starts cold
     median: list[float] = field(default_factory=list)  # ms per step

@@ -69,7 +69,7 @@ COPIED = 2**25  # doubles copied to measure the bandwidth: 256 MiB, more than ca
 
 @dataclass
 class Turns:
-    """What a method did in all steps."""
+    """Share of a method over all steps."""
 
     turns: int = 0
     iterations: int = 0
@@ -81,7 +81,7 @@ class Turns:
 
 @dataclass
 class Profile:
-    """What a run cost."""
+    """Cost of a run."""
 
     scene: str
     blocks: int  # supports included

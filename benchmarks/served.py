@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a process of ``turns.py`` runs: steps of scenes in a tree of the program, by the benchmarks of that tree, which may be older.
+"""Process that ``turns.py`` runs: steps of scenes in a tree of the program, by the benchmarks of that tree, which may be older.
 
 So nothing of the program is imported here but in functions, and of the benchmarks only what older trees have too.
 """

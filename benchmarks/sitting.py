@@ -43,7 +43,7 @@ def run_ours(name: str, steps: int, solver: str, tolerance: float, extra: Sequen
 
 
 def numbers_of(module: str, arguments: Sequence[str]) -> dict[str, Any]:
-    """What a benchmark of ours prints with ``--json``, run in a process of its own.
+    """Return the output of a benchmark of ours with ``--json``, run in a process of its own.
 
     Raises:
         RuntimeError: it failed; the last line that it wrote.

@@ -44,7 +44,7 @@ WAYS: dict[str, tuple[dict[str, Any] | None, float]] = {
 
 
 def falls(share: float, joints: dict[str, Any] | None, thick: float) -> bool:
-    """Whether a half sine of 0.25 s and a share of gravity throws it down."""
+    """Return True if a half sine of 0.25 s and a share of gravity throws it down."""
     blocks = build({"radius": 4.0, "thickness": thick, "width": 1.0, "voussoirs": 17}, DENSITY * THICK / thick, Path())
     tables = {
         "material": {"density": DENSITY, "friction": 0.7} | ({} if joints is None else {"joints": {"default": joints}}),

@@ -56,7 +56,7 @@ class StabilityCase:
 
     @property
     def at_rest(self) -> bool:
-        """Whether it has to stand still."""
+        """Return True if it has to stand still."""
         return self.scene.amplitude == 0.0
 
 

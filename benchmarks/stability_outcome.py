@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a case of the stability benchmark did, and the limits that it is judged by; :mod:`benchmarks.stability` says what they mean."""
+"""Outcome of a case of the stability benchmark, and the limits that it is judged by; :mod:`benchmarks.stability` explains them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ GAINED = 1e-4
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case did. Lengths are shares of the smallest block's width, energies shares of the largest work done."""
+    """Outcome of a case. Lengths are shares of the smallest block's width, energies shares of the largest work done."""
 
     group: str
     name: str
@@ -39,6 +39,6 @@ class Outcome:
 
     @property
     def failures(self) -> list[str]:
-        """What it failed in; empty if it passed."""
+        """List the limits that it exceeds; empty if it passed."""
         wrong = [name for name, (value, limit) in self.limits.items() if not value <= limit]
         return wrong + (["finite"] if self.stopped else [])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What it costs to step a scene from Python, beside the run that writes its results: seconds of the processor, by turns.
+"""Cost of stepping a scene from Python, compared with the run that writes its results: seconds of the processor, by turns.
 
     python -m benchmarks.stepping examples/arch.toml --seconds 2
 

@@ -72,7 +72,7 @@ values = {seeds}
 
 @dataclass(frozen=True)
 class Took:
-    """What a study took."""
+    """Time and counts of a study."""
 
     workers: int
     runs: int

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What threads save: wall time per step of scene files on one thread, on two, and so on up to the cores there are.
+"""Gain by threads: wall time per step of scene files on one thread, on two, and so on up to the cores there are.
 
     python -m benchmarks.threads examples/church_sine.toml examples/aqueduct_sinusoidal.toml --steps 50
 

@@ -33,7 +33,7 @@ class Tree:
         self._folder, self._asked, self._answers = folder, asked, answers
 
     def ask(self, what: int | list[Any]) -> dict[str, Any]:
-        """What the process answers.
+        """Return the answer of the process.
 
         Raises:
             InputError: no such scene, or the process has ended.

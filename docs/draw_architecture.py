@@ -105,7 +105,7 @@ def _imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
 
 
 def drawn(picture: Path = PICTURE) -> dict[str, list]:
-    """What a picture shows: package -> [purpose, packages inside, imports, imports inside functions]."""
+    """Return the contents of a picture: package -> [purpose, packages inside, imports, imports inside functions]."""
     from PIL import Image
 
     with Image.open(picture) as image:
@@ -179,7 +179,7 @@ def _lane(axes, i: int, package: Package, place: dict[str, int], layer: dict[str
 
 
 def _key(axes, y: float, climbs: bool) -> None:
-    """What the signs mean; that of an import that climbs only where there is one."""
+    """Explain the signs; that of an import that climbs only where there is one."""
     signs = (
         ("s", INK, "a package"),
         ("o", INK, "imports it"),

@@ -91,7 +91,7 @@ def key_rows(table: type[BaseModel], above: str = "") -> list[str]:
 
 
 def _first_line(table: type[BaseModel]) -> str:
-    """What a table is, as its docstring says."""
+    """Return the first line of a table's docstring."""
     line = (table.__doc__ or "").splitlines()[0].rstrip(".")
     return line[:1].lower() + line[1:]
 

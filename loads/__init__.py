@@ -214,7 +214,7 @@ def parse_load(table: Mapping[str, Any], where: str, folder: Path | None = None)
 
 
 def shakes(tables: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether one of some tables shakes the base; a settlement moves it once."""
+    """Return True if one of some tables shakes the base; a settlement moves it once."""
     kinds = [kind_of(table) for table in tables]
     return any(kind is not None and issubclass(kind.table, ShakingTable) for kind in kinds)
 
@@ -258,7 +258,7 @@ def _check_guides(parts: Sequence[Part], forces: Forces | None, grid: RunGrid) -
 
 
 def _given_gravity(every: Sequence[Asked], filled: Sequence[Part]) -> bool:
-    """Whether there is a table of kind gravity.
+    """Return True if there is a table of kind gravity.
 
     Raises:
         InputError: there are several gravities, or one is ramped while a tilt begins to turn it or while fill presses.

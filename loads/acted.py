@@ -38,7 +38,7 @@ class Acted(NamedTuple):
 
 
 def over_time(where: str, measure: str, start: float, length: float, rises: Callable[[float], float] = lambda x: x) -> Acted:
-    """Of what rises from 0 to 1 as x = (time - start) / length [s] does; a length of 0: at once."""
+    """Return the effect of a load that rises from 0 to 1 as x = (time - start) / length [s] does; a length of 0: at once."""
 
     def at(time: float) -> float:
         return rises(min(1.0, max(0.0, (time - start) / length))) if length > 0.0 else float(time >= start)
@@ -47,7 +47,7 @@ def over_time(where: str, measure: str, start: float, length: float, rises: Call
 
 
 def growing(where: str, measure: str, start: float, initial: float, rate: float, most: float | None) -> Acted:
-    """Of what grows from an initial value on, at a rate [1/s], up to ``most``; one without that end has acted once it has begun."""
+    """Return the effect of a load that grows from an initial value at a rate [1/s], up to ``most`` or else at once."""
     if most is None:
         begin = 0.0 if initial > 0.0 else start
         return Acted(where, measure, np.inf, lambda time: float(time > begin))
@@ -56,7 +56,7 @@ def growing(where: str, measure: str, start: float, initial: float, rate: float,
 
 
 def by_integral(where: str, measure: str, times: np.ndarray, values: np.ndarray) -> Acted:
-    """Of a history, (N,) [s] and (N, k), straight between its times, by the integral of its size."""
+    """Return the effect of a history, (N,) [s] and (N, k), straight between its times, by the integral of its size."""
     size = np.sqrt((values * values).sum(axis=1))
     built = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(times) * (size[1:] + size[:-1]))])
     return Acted(where, measure, float(times[-1]), lambda time: share_of(float(np.interp(time, times, built)), float(built[-1])))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What the fill of a bridge does to blocks beside its weight, which rides on them (:mod:`masonry_cd.mechanics.model.fill`).
+r"""Action of the fill of a bridge on blocks in addition to its weight, which rides on them (:mod:`masonry_cd.mechanics.model.fill`).
 
 **Pressure.** On a wall, and on the back of an abutment of blocks, K gamma (depth) at right angles to the face: as built K_0 = 1 - sin(phi)
 (Jaky 1944) or, where asked for, Rankine's K_a. With D the depth of the lower edge of a face, and u by how far it has moved away,
@@ -46,7 +46,7 @@ LEAST = 1e-6  # of the largest resistance of a face: faces that are all but leve
 
 
 class Thrust(NamedTuple):
-    """What the fill would press on a face with K = 1."""
+    """Pressure of the fill on a face with K = 1."""
 
     face: FillFace
     block: int
@@ -55,7 +55,7 @@ class Thrust(NamedTuple):
 
 
 def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
-    """What a fill does in a run: bars that press, and bars that resist."""
+    """Return the action of a fill in a run: bars that press, and bars that resist."""
     assembly = grid.blocks(fill.where)
     pressed, carriers = _thrusts(fill, assembly, math.hypot(*grid.gravity)), _carriers(fill, assembly)
     pressing = [bar for thrust in pressed for bar in _slackening(fill, thrust, carriers, assembly)]
@@ -72,7 +72,7 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
 
 
 def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Static:
-    """What a fill does as a mechanism begins to move: the active pressure as constant forces, and bars that resist; a line on it."""
+    """Return the action of a fill as a mechanism begins to move: active pressure as constant forces, bars that resist, a line on it."""
     assembly = grid.blocks(fill.where)
     k = fill.coefficients["active" if fill.pressure == "at_rest" else fill.pressure]
     pressed = _thrusts(fill, assembly, math.hypot(*grid.gravity)) if k > 0.0 else []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every kind of load is given and what it returns, with the small pieces that they share.
+"""Common pieces of every kind of load: what it is given and what it returns.
 
 Supports are driven by a prescribed velocity (not by inertia forces on the blocks), so a load that shakes gives the velocity of
 the base as a function of time, which each support may follow later than the first and with a share of its own. A load that pulls on the
@@ -38,7 +38,7 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, eq=False)
 class RunGrid:
-    """What a load knows of the run: the N + 1 times t_k = k dt, the gravity, the folder of the scene file, and the blocks."""
+    """Facts on the run for a load: the N + 1 times t_k = k dt, the gravity, the folder of the scene file, and the blocks."""
 
     dt: float  # the time step, or the shortest where it adapts [s]
     steps: int  # N
@@ -83,7 +83,7 @@ class Turning:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What one table does in a run. What is left out is zero."""
+    """Action of one table in a run. What is left out is zero."""
 
     motion: Motion | None = None
     delay: np.ndarray | None = None  # (B,) by how much a support's motion lags behind [s]
@@ -102,7 +102,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Static:
-    """What one table does in limit analysis, all of it there. What is left out is nothing."""
+    """Action of one table in limit analysis, all of it there. What is left out is nothing."""
 
     words: str = ""  # what it is called where it is multiplied
     points: tuple[PointLoad, ...] = ()  # constant, or multiplied where limit.live names the table
@@ -114,7 +114,7 @@ class Static:
 
 Positive = Annotated[float, Field(gt=0.0)]
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
-"""Of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
+"""Configuration of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
 
 
 class LoadTable(BaseModel):
@@ -132,7 +132,7 @@ class LoadTable(BaseModel):
 
 
 Pattern = Literal["", "push", "tilt", "settlement", "live"]
-"""What a limit analysis multiplies where ``[limit]`` does not say it; empty: it multiplies nothing of the load."""
+"""Pattern that a limit analysis multiplies where ``[limit]`` does not give it; empty: it multiplies nothing of the load."""
 
 
 class LoadKind(NamedTuple):
@@ -144,19 +144,19 @@ class LoadKind(NamedTuple):
     table: type[LoadTable]
     """The model of its keys."""
     part: Callable[[Any, RunGrid, str], Part]
-    """What it does in a run, (table, grid, where)."""
+    """Action in a run, (table, grid, where)."""
     end: Callable[[Any, RunGrid, str], float] | None = None
     """When it has done what it does, for a run that states no duration, (table, grid, where) -> [s]; None: when all of it has acted."""
     slow: Callable[[Any], bool] = lambda table: False
-    """Whether it leaves the structure at rest, so that such a run ends with it."""
+    """True if it leaves the structure at rest, so that such a run ends with it."""
     static: Callable[[Any, RunGrid, str], Static | None] | None = None
-    """What it does in limit analysis, (table, grid, where); None, or a table of which it gives None: it is left out there."""
+    """Action in limit analysis, (table, grid, where); None, or a table of which it gives None: it is left out there."""
     pattern: Callable[[Any], Pattern] = lambda table: ""
-    """What a limit analysis of the scene multiplies."""
+    """Pattern that a limit analysis of the scene multiplies."""
     places: Callable[[Any, Sequence[Fill], str], Places] | None = None
     """Where it may stand on a bridge, of a load whose worst place a limit analysis looks for, (table, fills, where)."""
     gentle: bool = False
-    """Whether it neither shakes nor pushes, so that the fill of bridges resists as at rest."""
+    """True if it neither shakes nor pushes, so that the fill of bridges resists as at rest."""
     grown: Callable[[Mapping[str, Any], float], dict[str, Any]] | None = None
     """The keys of a load that is larger by a factor, by which ensembles differ; None: it has no one size."""
     recorded: Callable[[Mapping[str, Any], Mapping[str, Any], str], list[FromFile]] | None = None
@@ -234,7 +234,7 @@ def parse_direction(value: object) -> Direction:
 
 
 def lifts(way: Sequence[float] | np.ndarray, down: np.ndarray) -> bool:
-    """Whether a vector (3,) points upwards, by the unit vector (3,) of gravity."""
+    """Return True if a vector (3,) points upwards, by the unit vector (3,) of gravity."""
     return bool(np.sum(np.asarray(way) * down) < -STEEP * math.hypot(*way))
 
 

@@ -23,7 +23,7 @@ MOVING = 1e-3  # share of its largest speed above which the base counts as movin
 
 
 def base_moves_at_end(loading: Loading) -> bool:
-    """Whether a motion of the base is cut short by the end of the run, so that no rest can follow."""
+    """Return True if a motion of the base is cut short by the end of the run, so that no rest can follow."""
     velocity = loading.support_velocity
     return bool(np.abs(velocity[-1]).max(initial=0.0) > MOVING * np.abs(velocity).max(initial=0.0))
 

@@ -72,7 +72,7 @@ class Delay(BaseModel):
 
 
 class ShakingTable(LoadTable):
-    """What all loads have in common that move the base to and fro."""
+    """Common keys of all loads that move the base to and fro."""
 
     start: Instant = 0.0
     """Time of the run at which the motion begins."""

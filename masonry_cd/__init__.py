@@ -67,5 +67,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """What there is, for completion."""
+    """Return the names of the package, for completion."""
     return sorted({*globals(), *NAMES})

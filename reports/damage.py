@@ -36,12 +36,12 @@ from reports.ties import write_ties
 
 
 def thresholds_of(settings: Report) -> Thresholds:
-    """What counts as damage."""
+    """Return the thresholds of damage."""
     return Thresholds(opened=settings.opened, slid=settings.slid)
 
 
 def damage_settings(settings: Report) -> Settings:
-    """What counts as damage, and from where on it is which grade."""
+    """Return the thresholds of damage, and those of the grades."""
     return Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
 
 
@@ -139,7 +139,7 @@ def _by_part(history: Sequence[Row]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON knows: NaN becomes null, infinity the text ``inf``."""
+    """Return values of JSON: NaN becomes null, infinity the text ``inf``."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -49,7 +49,7 @@ class Job:
         return dict(sorted(known.items(), key=lambda item: item[1].place))
 
     def wants(self, name: str) -> bool:
-        """Whether an output is asked for."""
+        """Return True if an output is asked for."""
         asked = self.outputs[name].asked
         return self.asked.get(name, bool(getattr(self.settings, name, False)) if asked is None else asked(self))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a laboratory hands over of a test: curves of force against displacement, and the histories of its gauges, as tables and plots."""
+"""Results of a test as a laboratory gives them: curves of force against displacement and histories of gauges, as tables and plots."""
 
 from __future__ import annotations
 

@@ -54,13 +54,13 @@ class Report(Table):
     model_config = ConfigDict(extra="allow", json_schema_extra=_outputs_by_name)
 
     project: Words | None = None
-    """Of the title block of the page and its PDF."""
+    """Project in the title block of the page and its PDF."""
     client: Words | None = None
     """For whom the report is; of the title block."""
     author: Words | None = None
     """Who answers for it; of the title block."""
     date: Words | None = None
-    """Of the report, as it is to be printed; the day on which the page is written when not given."""
+    """Date of the report, as it is to be printed; the day on which the page is written when not given."""
     crack_map: Flag = False
     """Draw crack_map.png."""
     vector: Flag = False
@@ -119,7 +119,7 @@ class Report(Table):
 
     @property
     def asks(self) -> bool:
-        """Whether anything is to be written beside joints.csv."""
+        """Return True if anything is to be written beside joints.csv."""
         return bool(self.damage or self.html or self.crack_map or self.vector or self.times or self.animation or self.by_name)
 
 

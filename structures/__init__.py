@@ -28,7 +28,7 @@ KINDS: Extensions[StructureKind] = Extensions("structures.kinds", "KIND")
 
 
 class Made(NamedTuple):
-    """What the tables of a scene make."""
+    """Structure and loads that the tables of a scene make."""
 
     blocks: list[Block]
     notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed; and on floors and ties

@@ -126,7 +126,7 @@ class _Floor:
 
     @property
     def pocket(self) -> Polyhedron:
-        """What is cut out for it."""
+        """Return the solid that is cut out for it."""
         return Polyhedron(*self._prism(polygon_of(self.cut)))
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Whether walls stand under the fill beside them: rigid statics, bed by bed.
+r"""Stability of walls that retain fill: rigid statics, bed by bed.
 
 What stands over the stones of one bed, with weight W at a lever b from the outer face of the wall and the thrust K T of the fill at a
 height z over the bed, overturns about its outer edge or slides on the bed unless

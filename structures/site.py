@@ -185,7 +185,7 @@ def _extent(blocks: Sequence[Block]) -> Plan | None:
 
 
 def _overlap(a: Plan | None, b: Plan | None) -> bool:
-    """Whether two extents overlap in plan by more than rounding."""
+    """Return True if two extents overlap in plan by more than rounding."""
     if a is None or b is None:
         return False
     slack = LEVEL * float(np.abs(np.concatenate([a, b])).max())

@@ -79,5 +79,5 @@ def within(estimate: float, key: str) -> None:
 
 
 def beyond(estimate: float, most: int) -> str:
-    """What :func:`within` says where an estimate, which may be infinite or none, exceeds a limit; else nothing."""
+    """Return the message of :func:`within` where an estimate, which may be infinite or none, exceeds a limit; else an empty one."""
     return "" if estimate <= most else f"makes about {estimate:.2g} blocks, at most {most} are allowed; {KEY} = N allows more"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a structure may not stand as it is built, judged from its contacts at rest: ``build`` and ``run`` warn alike.
+"""Parts of a structure that may not stand as it is built, judged from its contacts at rest: ``build`` and ``run`` warn alike.
 
 Links count as contacts. A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards:
 then only friction on its sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another;
@@ -97,7 +97,7 @@ def _side(assembly: Assembly, contacts: ContactSet, touching: np.ndarray, hangin
 
 
 def _stands_on_supports(assembly: Assembly, touching: np.ndarray, up: tuple[int, int, int]) -> bool:
-    """Whether the centres of all supports lie below those of the touching blocks (B,)."""
+    """Return True if the centres of all supports lie below those of the touching blocks (B,)."""
     height = assembly.centre @ np.array(up)
     return bool(height[assembly.fixed].max() < height[touching].min() - CLEAR * assembly.width)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a structure is, in numbers: blocks, joints, masses, what touches what, and how hyperstatic it is.
+"""A structure in numbers: blocks, joints, masses, what touches what, and how hyperstatic it is.
 
 Every corner of a joint carries one normal and two tangential forces, and every free block has six equations of equilibrium. The
 degree of hyperstaticity is the difference of the two numbers; it is a lower bound of the dimension of the space of
@@ -52,7 +52,7 @@ def _thinnest(corners: Sequence[np.ndarray]) -> float:
 
 
 def _extent(corners: Sequence[np.ndarray]) -> list[float]:
-    """Of the box around corners, each (V, 3) [m]."""
+    """Return the extent of the box around corners, each (V, 3) [m]."""
     return [float(x) for x in np.ptp(np.concatenate(corners), axis=0)]
 
 
@@ -114,7 +114,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
 
 
 def warnings(made: Mapping[str, Any]) -> list[str]:
-    """What of a report may not stand as it is built, a line each."""
+    """Return the lines of a report on what may not stand as it is built."""
     return _odd(made["extent"], made["thinnest"]) + in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
 
 

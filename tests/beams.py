@@ -42,7 +42,7 @@ class Beam:
         return out
 
     def euler(self, mode: int) -> float:
-        """Of the hinged beam without shear and rotary inertia [Hz]."""
+        """Return the frequency of the hinged beam without shear and rotary inertia [Hz]."""
         return np.pi / 2 * mode**2 / self.length**2 * np.sqrt(self.young * self.depth**2 / 12 / self.density)
 
     def _determinant(self, frequency: float, first: tuple[str, str], last: tuple[str, str]) -> float:

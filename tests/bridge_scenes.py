@@ -23,5 +23,5 @@ def bridge(*spans: dict, **keys: object) -> tuple[Made, Assembly]:
 
 
 def grid(made: Made, assembly: Assembly, steps: int = 1, dt: float = 1e-3) -> RunGrid:
-    """What loads are told of a run on it."""
+    """Return the grid that loads are given for a run on it."""
     return RunGrid(dt, steps, GRAVITY, Path(), assembly, fills=made.fills)

@@ -97,7 +97,7 @@ class Browser:
         return base64.b64decode(_call("POST", f"{self._at}/print", {"background": True, "page": {"width": 21.0, "height": 29.7}}))
 
     def complaints(self) -> list[str]:
-        """What the console has said since the last call; remarks of the graphics driver on speed do not count."""
+        """Messages of the console since the last call; remarks of the graphics driver on speed do not count."""
         said = _call("POST", f"{self._at}/se/log", {"type": "browser"})
         return [line["message"] for line in said if "GPU stall due to ReadPixels" not in line["message"]]
 

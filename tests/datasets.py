@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a result file holds, to compare runs bit by bit."""
+"""Contents of a result file, to compare runs bit by bit."""
 
 from __future__ import annotations
 

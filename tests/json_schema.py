@@ -18,7 +18,7 @@ KNOWN = TEXTS | {
 
 
 def faults(value: Any, schema: Schema | bool, where: str = "") -> list[str]:
-    """What is wrong with a value, a line each; nothing where it fits. Words of JSON schema that are not known here raise KeyError."""
+    """List the faults of a value; none where it fits. Words of JSON schema that are not known here raise KeyError."""
     if isinstance(schema, bool):
         return [] if schema else [f"{where}: not allowed"]
     if schema.keys() - KNOWN:

@@ -32,7 +32,7 @@ def compiled(kind: SceneKind) -> None:
 
 
 def of_runs(planar: bool) -> None:
-    """Of blocks rigid, of uniform strain and meshed, on joints without and with a law that goes by area."""
+    """Compile the kernels of blocks rigid, of uniform strain and meshed, on joints without and with a law that goes by area."""
     for strained in (0, UNIFORM[planar], MESHED):
         for by_area in (False, True):
             compiled(SceneKind("auto", planar, by_area, stress=True, strained=strained))

@@ -31,7 +31,7 @@ RESULTS = (
 
 @dataclass
 class Made:
-    """What a made study holds."""
+    """Contents of a made study."""
 
     design: str = "stripes"
     records: int = 12

@@ -29,7 +29,7 @@ SEEN = 1e-3  # share of the smallest width that the control block goes before it
 
 @dataclass(frozen=True)
 class Bracket:
-    """What the dynamics says of a point of a curve."""
+    """Bracket of a point of a curve by the dynamics."""
 
     displacement: float  # of the control point [m]
     factor: float  # of the curve
@@ -64,7 +64,7 @@ class _Release:
         return Bracket(float(self.curve.displacement[self.k]), factor, float(low), float(high), self.missed)
 
     def goes_on(self, factor: float) -> bool:
-        """Whether they go on along the curve under a factor."""
+        """Return True if they go on along the curve under a factor."""
         placed, control = replace(self.curve.stages[self.k].assembly, laws=self.laws), self.curve.control
         pull = np.tile(self.gravity + factor * math.hypot(*self.gravity) * self.direction, (STEPS + 1, 1))
         run = Run.model_validate({"dt": STEP, "duration": STEP * STEPS, "tolerance": TOLERANCE})

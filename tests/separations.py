@@ -48,7 +48,7 @@ def parts_in_world(shapes: Shapes, position: np.ndarray, rotation: np.ndarray) -
 
 
 def shortfall(found: ContactSet, detector: Detector, corners: list[np.ndarray]) -> np.ndarray:
-    """By how much the gap of each contact is less than the separation of its parts along its normal, (C,) [m]."""
+    """Return the shortfall of the gap of each contact against the separation of its parts along its normal, (C,) [m]."""
     parts, out = detector.pairs[found.pair], np.empty(len(found.gap))
     for c, (a, b) in enumerate(parts):
         n = found.normal[c]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a structure should fill, measured by the geometry kernel or by formulae, not by its blocks."""
+"""Solids that a structure should fill, measured by the geometry kernel or by formulae, not by its blocks."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `python -m build` makes: installed apart from the checkout it builds, runs and reports, and its own tests pass on it."""
+"""The distribution of `python -m build`: installed apart from the checkout it builds, runs and reports, and its own tests pass on it."""
 
 from __future__ import annotations
 

@@ -103,17 +103,17 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 
 
 def processor_time() -> float:
-    """Of this process and of those that it started and waited for [s]."""
+    """Return the time of this process and of those that it started and waited for [s]."""
     return sum(usage.ru_utime + usage.ru_stime for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)))
 
 
 def kept_since(moment: float) -> bool:
-    """Whether any process has put a compiled kernel into numba's cache since a time of day [s]."""
+    """Return True if any process has put a compiled kernel into numba's cache since a time of day [s]."""
     return any(path.stat().st_mtime >= moment - 0.1 for path in _kept())  # clocks of file systems are coarse
 
 
 def _kept() -> Iterator[Path]:
-    """What numba's cache holds."""
+    """Yield the files in numba's cache."""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     for folder in [Path(chosen)] if chosen else [ROOT / name for name in PACKAGES]:
         yield from folder.rglob("*.nbc")

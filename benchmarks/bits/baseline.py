@@ -33,7 +33,7 @@ def digest(array: np.ndarray) -> str:
 
 
 def machine() -> dict[str, str]:
-    """What bits depend on besides the program: the processor and the packages."""
+    """Return the processor and the packages, on which bits depend besides the program."""
     found = {"cpu": _processor(), "python": platform.python_version()}
     for name in PACKAGES:
         with suppress(Exception):
@@ -67,7 +67,7 @@ def load(file: Path) -> dict:
 
 
 def machine_lines(kept: dict) -> list[str]:
-    """What the machine of a baseline had otherwise."""
+    """Return the differences to the machine of a baseline."""
     then, now = kept["machine"], machine()
     names = [name for name in {**then, **now} if then.get(name) != now.get(name)]
     return [f"another machine: {name} was {then.get(name, 'not there')}, is {now.get(name, 'not there')}" for name in names]
@@ -83,7 +83,7 @@ def differences(file: Path, case: str, found: Arrays) -> list[str]:
 
 
 def _lines(path: Path, changed: Iterable[str], hashes: dict[str, str], found: Arrays) -> Iterable[str]:
-    """What has changed, array by array."""
+    """Yield the changes, array by array."""
     before: Arrays = {}
     if path.exists():
         with np.load(path, allow_pickle=False) as arrays:

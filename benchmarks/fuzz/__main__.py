@@ -24,7 +24,7 @@ from benchmarks.fuzz import inputs, mutators, promises, together
 
 @dataclass
 class Tally:
-    """What became of the cases of a kind."""
+    """Outcomes of the cases of a kind."""
 
     done: int = 0
     refused: int = 0
@@ -159,7 +159,7 @@ def _command(words: tuple[str, ...]) -> list[str]:
 
 
 def _output(words: tuple[str, ...]) -> str:
-    """What a command may write."""
+    """Return the paths that a command may write."""
     if words[0] in ("compare", "report"):
         return words[1]
     return "written.png" if "OUT.png" in words else "written"

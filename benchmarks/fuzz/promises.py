@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the program promises of every input, however damaged, and whether a case kept it."""
+"""Promises of the program for every input, however damaged, and the check that a case kept them."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def broken(outcome: Outcome) -> str:
 
 
 def _of_lines(outcome: Outcome, lines: list[str]) -> str:
-    """What is wrong with the lines on standard error."""
+    """Describe the fault in the lines on standard error."""
     unreadable = next((line for line in [*lines, *outcome.stdout.split("\n")] if not line.isprintable()), None)
     if unreadable is not None:
         return "control characters in a line"

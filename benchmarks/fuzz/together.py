@@ -32,7 +32,7 @@ PEAK = Path("/proc/self/clear_refs")  # Linux: "5" has the largest resident size
 
 
 class Case(NamedTuple):
-    """What is run."""
+    """A case to be run."""
 
     files: dict[str, bytes]
     command: list[str]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the site needs beyond Markdown: formulas as MathML, and pages and links of files that lie outside docs/.
+"""Additions of the site to Markdown: formulas as MathML, and pages and links of files that lie outside docs/.
 
 The pages read alike on a forge and here: formulas in $...$ and in fences called math, links by the place of a file in the repository.
 """

@@ -56,7 +56,7 @@ class SpectrumMatch(SiteSpectrum):
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
     spectrum: SpectrumName
-    """Of EN 1998-1:2004, of NTC 2018, or a table of ordinates."""
+    """Spectrum of EN 1998-1:2004, of NTC 2018, or a table of ordinates."""
     vertical: bool = False
     """Match the vertical spectrum."""
     period: Span | None = None
@@ -64,15 +64,15 @@ class SpectrumMatch(SiteSpectrum):
     periods: Annotated[tuple[float, float] | None, Unit("s"), between("seconds", 0.0199, 4.0)] = None
     """Or the range in which it is met, [from, to]; 0.15 to 2 when not given."""
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10
-    """Of the ratio of the spectrum to its target."""
+    """Tolerance of the ratio of the spectrum to its target."""
     rise: Span = 2.0
-    """Of the envelope, to its full value."""
+    """Rise of the envelope, to its full value."""
     level: Span = 10.0
-    """Of the envelope, at its full value."""
+    """Duration of the level of the envelope, at its full value."""
     duration: Annotated[float, Unit("s"), Field(gt=0.0, le=LONGEST_MOTION)] = 25.0
-    """Of the whole motion."""
+    """Duration of the whole motion."""
     seed: Annotated[int, Field(ge=0)] = 0
-    """Of the noise from which it is made."""
+    """Seed of the noise from which it is made."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -58,7 +58,7 @@ class GuidedKeys(BaseModel):
     point: Annotated[Vector | None, Unit("m")] = None
     """Or the point that is moved, as built, of a single block."""
     rotation: Literal["free", "held"] = "free"
-    """Whether the blocks may turn: "held" for double bending, or a beam that is kept level."""
+    """Rotation of the blocks: "held" for double bending, or a beam that is kept level."""
     name: str | None = None
     """In tables and plots; that of the blocks when not given."""
 
@@ -270,5 +270,5 @@ def counted(guide: Guide) -> str:
 
 
 def named(guide: Guide, grid: RunGrid, where: str) -> dict[str, object]:
-    """Of a guide and of its blocks, for summary.json."""
+    """Return the name of a guide and those of its blocks, for summary.json."""
     return {"name": guide.name, "blocks": [grid.blocks(where).names[b] for b in guide.blocks]}

@@ -42,7 +42,7 @@ class PointTable(LoadTable):
     moment: Annotated[Vector | None, Unit("N m")] = None
     """A vector in the world axes, which keeps its direction, beside that of the force about the centre of mass."""
     point: Annotated[Vector | None, Unit("m")] = None
-    """Of attack, as built, in the world; the centre of mass when not given."""
+    """Point of attack, as built, in the world; the centre of mass when not given."""
     start: Instant = 0.0
     """When the force begins."""
     ramp: Instant = 0.0

@@ -69,7 +69,7 @@ def _passed(table: PulseTable, x: float) -> float:
 
 
 def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:
-    """Of a pulse of peak 1 up to times (n,) [s]."""
+    """Return the integral of a pulse of peak 1 up to times (n,) [s]."""
     x = np.clip((times - table.start) / table.duration, 0.0, 1.0)
     if table.shape == "rectangle":
         return np.asarray(table.duration * x)

@@ -46,11 +46,11 @@ class PushTable(DrivenKeys, LoadTable):
     control: Literal["force", "displacement"] = "force"
     """A body force that grows, or blocks that are moved and whose reaction is recorded."""
     rate: Annotated[Positive, Unit("1/s")] | None = None
-    """By force: of lambda, the share of the weight."""
+    """Rate of lambda, the share of the weight, by force."""
     initial: Annotated[float, Field(ge=0.0)] = 0.0
-    """By force: lambda from the first step on."""
+    """Value of lambda from the first step on, by force."""
     peak: Positive | None = None
-    """By force: lambda at which it stops."""
+    """Value of lambda at which it stops, by force."""
     start: Instant = 0.0
     """When it begins."""
 

@@ -45,7 +45,7 @@ class Recorded(Accelerogram):
         return process(self, grid.folder, grid.dt, where)
 
     def doubts(self, processed: Processed, where: str) -> list[str]:
-        """Whether it is what the user means, a line each."""
+        """List doubts that it is what the user means, a line each."""
         return doubts(processed, self.correction, where)
 
     def lines(self, processed: Processed, how: str, where: str) -> list[str]:
@@ -91,7 +91,7 @@ def sample(history: History, since: np.ndarray) -> np.ndarray:
 
 
 def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> list[str]:
-    """What the user may not expect of the motion."""
+    """List what the user may not expect of the motion."""
     lines: list[str] = []
     if table.correction == "none" and abs(after.velocity[-1]) > 1e-6 * np.abs(after.velocity).max():
         more = after.displacement[-1] + 0.5 * FADE * after.velocity[-1]

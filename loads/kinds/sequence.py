@@ -51,7 +51,7 @@ class ShockTable(Scaled):
     """One shock: ``[[loads.shocks]]``; ``target_pga`` is that of its strongest component."""
 
     name: Annotated[str, Field(min_length=1, max_length=40)] | None = None
-    """Of the shock, in tables and closing lines."""
+    """Name of the shock, in tables and closing lines."""
     components: Annotated[list[dict[str, Any]], Field(min_length=1, json_schema_extra=rows(Recorded, SpectrumMatch))]
     """Each with a direction, and the keys of a record or of an artificial accelerogram."""
     rotate: Annotated[float, Unit("degrees")] = 0.0
@@ -85,7 +85,7 @@ class _Ready:
     doubts: tuple[str, ...]  # whether its records are what the user means
 
     def velocity(self, since: np.ndarray) -> np.ndarray:
-        """Of the base at times since its start, (n, 3) [m/s]."""
+        """Return the velocity of the base at times since its start, (n, 3) [m/s]."""
         out = np.zeros((len(since), 3))
         for direction, processed in self.parts:
             out += direction.along(sample(processed.after, since))

@@ -53,7 +53,7 @@ class SpreadingTable(LoadTable):
     direction: DirectionKey
     """Axis or vector along which the ground stretches."""
     displacement: Annotated[float, Unit("m"), SPREAD, *MOVED]
-    """By which the outermost supports part."""
+    """Displacement by which the outermost supports part."""
     start: Instant = 0.0
     """When they begin to move."""
     duration: Span
@@ -168,7 +168,7 @@ def _when(table: SpreadingTable) -> str:
 
 
 def _acted(table: SpreadingTable, where: str) -> Acted:
-    """By the displacement reached, d(t) of the head of this file."""
+    """Return the effect by the displacement reached, d(t) of the head of this file."""
     return over_time(where, "displacement", table.start, table.duration, lambda x: x * x * x * (10.0 + x * (6.0 * x - 15.0)))
 
 

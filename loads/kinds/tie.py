@@ -42,7 +42,7 @@ class TieTable(LoadTable):
     points: Annotated[tuple[Vector, Vector] | None, Unit("m"), BeforeValidator(_ends)] = None
     """Its ends, as built; the centres of mass when not given."""
     diameter: Annotated[Positive, Unit("m"), DIAMETER] | None = None
-    """Of its section."""
+    """Diameter of its section."""
     area: Annotated[Positive, Unit("m2"), SECTION] | None = None
     """Or the area of its section."""
     modulus: Annotated[Positive, Unit("Pa"), TIE_MODULUS] = 2.1e11

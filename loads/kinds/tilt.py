@@ -49,7 +49,7 @@ class TiltTable(LoadTable):
     axis: DirectionKey | None = None
     """Or: about which gravity turns, by the right-hand rule."""
     rate: Annotated[Positive, Unit("degrees/s")]
-    """Of the angle."""
+    """Rate of the angle."""
     initial: Annotated[float, Unit("degrees"), Field(ge=0.0, lt=90.0)] = 0.0
     """Angle from the first step on."""
     angle: Annotated[float, Unit("degrees"), Field(gt=0.0, le=90.0)] | None = None
@@ -67,7 +67,7 @@ class TiltTable(LoadTable):
 
 
 def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
-    """What the tilt adds to gravity at the run's times, (N + 1, 3) [m/s2].
+    """Return the part that the tilt adds to gravity at the run's times, (N + 1, 3) [m/s2].
 
     Raises:
         InputError: no gravity to turn, or a direction that is not level.

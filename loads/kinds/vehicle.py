@@ -102,7 +102,7 @@ class VehicleTable(LoadTable):
 
     kind: Literal["vehicle"] = "vehicle"
     name: Literal["LM1", "LM2", "single", "double", "double 1.3", "double 1.0", "triple", "triple 2.0"] | None = None
-    """Of EN 1991-2, load models 1 and 2, or of CS 454: axles of normal traffic; or give axles."""
+    """Name of EN 1991-2, load models 1 and 2, or of CS 454: axles of normal traffic; or give axles."""
     axles: Annotated[Numbers, Unit("N"), AXLE] = None
     """Loads of its axles, the first one leading."""
     spacing: Annotated[Numbers, Unit("m")] = None
@@ -112,11 +112,11 @@ class VehicleTable(LoadTable):
     track: Measure | None = None
     """Between the middles of the two wheels of an axle; 1.8 m when neither it nor a name is given."""
     contact: Annotated[tuple[float, float] | None, Unit("m"), BeforeValidator(_numbers)] = None
-    """Of a wheel, along and across the road; 0.3 m by 0.3 m when neither it nor a name is given."""
+    """Contact area of a wheel, along and across the road; 0.3 m by 0.3 m when neither it nor a name is given."""
     offset: Annotated[float, Unit("m")] = 0.0
-    """Of its middle from that of the bridge, along y."""
+    """Offset of its middle from that of the bridge, along y."""
     position: Annotated[float, Unit("m")] | None = None
-    """Of the first axle along the road at the start; of a crossing before the bridge when not given."""
+    """Position of the first axle along the road at the start; of a crossing before the bridge when not given."""
     speed: Annotated[float, Unit("m/s"), CROSSING, Field(ge=0.0)] = 0.0
     """Towards greater x; 0: it stands."""
     start: Instant = 0.0
@@ -295,8 +295,8 @@ def _loads(table: VehicleTable, grid: RunGrid, where: str) -> tuple[Fill, list[P
 
 
 def _acted(table: VehicleTable, fill: Fill, where: str) -> Acted:
-    """By the way over the deck, from where the first axle reaches it, or begins on it, to where the last one leaves; one that stands by
-    its load."""
+    """Return the effect by the way over the deck, from where the first axle reaches it, or begins on it, to where the last one leaves; one
+    that stands by its load."""
     if table.speed == 0.0:
         return over_time(where, "load", table.start, table.ramp)
     begin, leaves = _begin(table, fill), fill.deck[1] + sum(table.known.spacing)
@@ -363,7 +363,7 @@ def _static(table: VehicleTable, grid: RunGrid, where: str) -> Static:
 
 
 def _places(table: VehicleTable, fills: Sequence[Fill], where: str) -> Places:
-    """Of the first axle, from where it comes onto the bridge to where the last one leaves it."""
+    """Return the places of the first axle, from where it comes onto the bridge to where the last one leaves it."""
     fill, words = on_bridge(table, fills, where), f"vehicle {table.name}" if table.name else f"vehicle of {len(table.known.loads)} axles"
     return Places(fill.deck[0], fill.deck[1] + sum(table.known.spacing), words)
 

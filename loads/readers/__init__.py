@@ -35,7 +35,7 @@ def _known(value: str) -> str:
 
 
 FormatName = Annotated[str, AfterValidator(_known), _Names()]
-"""What a table may ask for."""
+"""Formats that a table may ask for."""
 
 
 def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:

@@ -51,7 +51,7 @@ def _component(heading: Sequence[str]) -> str:
 
 
 def _stated(heading: Sequence[str]) -> Stated | None:
-    """What the record is of, by the line that names it: ``VELOCITY TIME SERIES IN UNITS OF CM/S``."""
+    """Return the quantity of the record by the line that names it: ``VELOCITY TIME SERIES IN UNITS OF CM/S``."""
     for number, line in enumerate(heading, start=1):
         found = QUANTITY.search(line)
         if found:

@@ -37,7 +37,7 @@ def read(source: Source, request: Request) -> RawRecord:
 
 
 def _stated(heading: Heading) -> Stated | None:
-    """What the record is of, by the line DATA_TYPE, or by the channel where there is none."""
+    """Return the quantity of the record by the line DATA_TYPE, or by the channel where there is none."""
     line, text = heading.entries.get("DATA_TYPE", (0, ""))
     if not text:
         return of_channel(heading.text("STREAM"))

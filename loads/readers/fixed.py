@@ -79,7 +79,7 @@ def fixed(source: Source, first: int, count: int, fields: Fields, last: bool = F
 
 
 def numbers_alone(line: str) -> bool:
-    """Whether a line holds numbers and nothing else."""
+    """Return True if a line holds numbers and nothing else."""
     try:
         return bool([float(word) for word in line.split()])
     except ValueError:

@@ -21,7 +21,7 @@ class Heading(NamedTuple):
 
     @classmethod
     def split(cls, source: Source, kind: str, lines: int, separator: str = ":") -> Heading:
-        """Of the first lines that have a separator; keys in capitals."""
+        """Split the first lines that have a separator; keys in capitals."""
         found: dict[str, tuple[int, str]] = {}
         for index, line in enumerate(source.lines[:lines]):
             key, there, value = line.partition(separator)
@@ -30,7 +30,7 @@ class Heading(NamedTuple):
         return cls(source, kind, found)
 
     def has(self, *beginnings: str) -> bool:
-        """Whether there are keys that begin so."""
+        """Return True if there are keys that begin so."""
         return all(any(key.startswith(beginning) for key in self.entries) for beginning in beginnings)
 
     def find(self, beginning: str) -> tuple[int, str]:

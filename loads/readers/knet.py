@@ -41,7 +41,7 @@ def read(source: Source, request: Request) -> RawRecord:
 
 
 def _scale(source: Source, line: int, text: str) -> tuple[float, str]:
-    """What one count means, and in which unit."""
+    """Return the size of one count, and its unit."""
     match = FACTOR.match(text)
     if match is None:
         raise source.error(f'a scale factor such as 2000(gal)/8388608 is needed, got "{text}"', line)

@@ -39,7 +39,7 @@ class Orientation(NamedTuple):
 
 
 def of_record(name: str, path: str) -> Orientation | None:
-    """By the name of a channel, or else by the end of the name of its file; None where neither says it."""
+    """Return the orientation by the name of a channel, or else by the end of the name of its file; None where neither gives it."""
     own = of_name(name)
     if own is not None:
         return Orientation(*own, f'the channel "{name}"')
@@ -53,7 +53,7 @@ def of_record(name: str, path: str) -> Orientation | None:
 
 
 def of_name(name: str) -> tuple[bool, float | None] | None:
-    """Whether a name is that of a vertical channel, and its azimuth; None where it says neither or several."""
+    """Return True if a name is that of a vertical channel, and its azimuth; None where it gives neither or several."""
     if len(name) > LONGEST:
         return None
     text = PAIRED.sub(r"\1\2", name.strip().upper())

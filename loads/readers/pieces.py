@@ -100,7 +100,7 @@ def joined(pieces: Sequence[Piece], error: Error, calibration: float | None = No
 
 
 def of_processing(done: Iterable[str], stated: Stated | None) -> Stated | None:
-    """What a series is after what obspy says was done to it: its response taken out, differentiated, integrated."""
+    """Return the quantity of a series after the processing that obspy lists: its response taken out, differentiated, integrated."""
     for line in done:
         if output := OUTPUT.search(line):
             found = next(quantity for quantity in LADDER if quantity.startswith(output[1].lower()))

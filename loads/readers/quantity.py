@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a series is, acceleration, velocity or displacement, where a file says so: by words of its heading or by a SEED channel code.
+"""Quantity of a series, acceleration, velocity or displacement, where a file gives it: by words of its heading or by a SEED channel code.
 
 Band, instrument, orientation are the letters of a channel code (FDSN, "SEED Reference Manual", 2012, appendix A): HNE is the east component
 of an accelerometer, HHE that of a broadband seismometer, whose counts follow the velocity. A code names the instrument; where its response
@@ -44,7 +44,7 @@ INSTRUMENTS = {
 
 
 class Stated(NamedTuple):
-    """What a file says its series is."""
+    """Quantity of a series as its file states it."""
 
     quantity: str  # "" where the sensor may follow several, or no motion of the ground
     by: str  # what says so
@@ -52,12 +52,12 @@ class Stated(NamedTuple):
 
 
 def of_format(kind: str) -> Stated:
-    """Of a format that has nothing but accelerations."""
+    """Return the quantity of a format that has nothing but accelerations."""
     return Stated("acceleration", f"the format of {kind} files", firm=True)
 
 
 def of_channel(code: str) -> Stated | None:
-    """By a channel code such as "HNE"; None where it is none, or names no instrument that is known."""
+    """Return the quantity by a channel code such as "HNE"; None where it is none, or names no instrument that is known."""
     known = INSTRUMENTS.get(code[1:2].upper()) if CODE.fullmatch(code.strip().upper()) else None
     return Stated(known[0], f"channel {code}, that of {known[1]}", firm=False) if known else None
 
@@ -70,7 +70,7 @@ def named(text: str) -> str:
 
 
 def of_comments(lines: Iterable[str]) -> Stated | None:
-    """By the comments or other text above a table, which may speak of something else: so the user may say otherwise.
+    """Return the quantity by the comments or other text above a table, which may speak of something else: so the user may say otherwise.
 
     Words hold before units, and units before channel codes.
     """
@@ -84,7 +84,7 @@ def of_comments(lines: Iterable[str]) -> Stated | None:
 
 
 def of_spoken_channel(text: str) -> Stated | None:
-    """By a channel code within a text, as in "IV.AQK..HHE"; None where there is none."""
+    """Return the quantity by a channel code within a text, as in "IV.AQK..HHE"; None where there is none."""
     code = SPOKEN_CODE.search(text)
     return of_channel(code[0]) if code else None
 

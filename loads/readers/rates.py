@@ -48,7 +48,7 @@ class Spacing(NamedTuple):
 
 
 def agree(steps: Sequence[float]) -> bool:
-    """Whether steps, at least one, are one."""
+    """Return True if steps, at least one, are one."""
     return max(steps) - min(steps) <= ALIKE * min(steps)
 
 

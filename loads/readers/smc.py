@@ -58,7 +58,7 @@ def read(source: Source, request: Request) -> RawRecord:
 
 
 def _kind(source: Source) -> str | None:
-    """What the series is, by the first line."""
+    """Return the quantity of the series by the first line."""
     first = source.lines[0].strip().upper() if source.lines else ""
     return next((quantity for words, quantity in KINDS.items() if first.startswith(words)), None)
 

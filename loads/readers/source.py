@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the readers of record files share: the lines of a text file, numbers with the line they stand on, and what a reader returns."""
+"""Common pieces of the readers of record files: lines of a text file, numbers with the line they stand on, and what a reader returns."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class Source:
 
 
 class Request(NamedTuple):
-    """What the user says about the file."""
+    """Statements of the user about the file."""
 
     column: str | int | None = None  # a heading, channel or component, or its place counted from 0
     time_step: float | None = None  # [s]
@@ -112,7 +112,7 @@ class Request(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RawRecord:
-    """What stands in the file, in its own unit."""
+    """Contents of the file, in its own unit."""
 
     values: np.ndarray  # (n,)
     step: float  # [s]
@@ -141,7 +141,7 @@ class Reader(NamedTuple):
 
 
 def begins(mark: str, lines: int = 1) -> Callable[[Source], bool]:
-    """What recognises files that have some words in capitals in one of their first lines."""
+    """Return a test that recognises files that have some words in capitals in one of their first lines."""
     return lambda source: any(mark in line.upper() for line in source.lines[:lines])
 
 

@@ -42,7 +42,7 @@ class Layout:
     above: tuple[str, ...] = ()  # lines of text above the headings
 
     def name(self, column: int) -> str:
-        """What to call a column."""
+        """Return the name of a column in messages."""
         return split_heading(self.headings[column])[0] if self.headings else f"column {column}"
 
 
@@ -133,7 +133,7 @@ def _asked_step(asked: float | None, times: np.ndarray) -> tuple[float, tuple[st
 
 
 def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
-    """What the column is of, by its heading, or else by the comments."""
+    """Return the quantity of the column by its heading, or else by the comments."""
     heading = layout.headings[column] if layout.headings else ""
     if quantity := named(heading):
         return Stated(quantity, f'the column "{heading}"', firm=True)
@@ -343,7 +343,7 @@ def _value_column(source: Source, layout: Layout, times: list[int], request: Req
 
 
 def _quantity(heading: str) -> str:
-    """What a column is of, by its words or its unit; "" where neither says it."""
+    """Return the quantity of a column by its words or its unit; "" where neither gives it."""
     unit = split_heading(heading)[1]
     by_unit = measured_by(unit) if unit else None
     return named(heading) or (by_unit[0] if by_unit else "")

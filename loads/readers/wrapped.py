@@ -23,7 +23,7 @@ ALIKE = 3.0  # largest over smallest spread of columns, and of neighbours by the
 
 
 def advances(values: np.ndarray) -> bool:
-    """Whether values (n,) advance evenly, as times do."""
+    """Return True if values (n,) advance evenly, as times do."""
     with np.errstate(over="ignore", invalid="ignore"):
         steps = np.diff(values)
         usual = float(np.median(steps)) if len(steps) else 0.0
@@ -36,7 +36,7 @@ def times_of(table: np.ndarray) -> list[int]:
 
 
 def in_reading_order(table: np.ndarray) -> bool:
-    """Whether the numbers of a table (n, w) could be one series in reading order."""
+    """Return True if the numbers of a table (n, w) could be one series in reading order."""
     rows, width = table.shape
     if rows < FEWEST_ROWS or width < 2 or not np.isfinite(table).all():
         return False

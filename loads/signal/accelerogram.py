@@ -36,7 +36,7 @@ OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows 
 
 
 def between(what: str, above: float = -np.inf, most: float = np.inf) -> BeforeValidator:
-    """Of a key of two numbers in a unit, the first below the second."""
+    """Check a key of two numbers in a unit, the first below the second."""
 
     def read(value: object) -> tuple[float, float] | None:
         if value is None:
@@ -75,19 +75,20 @@ class Accelerogram(BaseModel):
     model_config = strict
 
     path: str
-    """Of the record, relative to the scene file."""
+    """Path of the record, relative to the scene file."""
     format: FormatName = "auto"
     """Recognised by the content of the file when "auto"."""
     column: Column = None
-    """Of a file with several: its heading, or its place counted from 0; the channel or component of other formats."""
+    """Column of a file with several: its heading, or its place counted from 0; the channel or component of other formats."""
     units: str | None = None
-    """Of the values, where the file does not say, as "m/s2" or "g"."""
+    """Units of the values, where the file does not say, as "m/s2" or "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
-    """Of the values, where they are no accelerations, which are then made of them, or where the file leaves it open."""
+    """Quantity of the values, where they are no accelerations, which are then made of them, or where the file leaves it open."""
     layout: Literal["columns", "series", "pairs"] | None = None
-    """Of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a line."""
+    """Layout of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a
+    line."""
     calibration: Annotated[float, Field(gt=0.0)] | None = None
-    """What one count means, in units; of files that hold counts, such as miniSEED."""
+    """Size of one count, in units; of files that hold counts, such as miniSEED."""
     time_step: Annotated[Positive, Unit("s")] | None = None
     """The time step of a file without times, or in place of those of a table."""
     skip: Annotated[int, Field(ge=0)] = 0
@@ -103,7 +104,7 @@ class Accelerogram(BaseModel):
     band_order: Annotated[int, Field(ge=1, le=8)] = 4
     """Order of the band-pass."""
     correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
-    """Of the baseline."""
+    """Correction of the baseline."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +140,7 @@ class Processed:
         return {"mean": mean, "pga": peak, "arias": float(arias(level)[-1])}
 
     def numbers(self) -> dict[str, Any]:
-        """What goes into the summary."""
+        """Return the numbers for the summary."""
         offset = self.offset()
         return {
             **({} if self.quantity == "acceleration" else {"quantity": self.quantity}),
@@ -173,7 +174,7 @@ class Scaled(BaseModel):
         return self
 
     def factor(self, peak: float) -> float:
-        """What to multiply a motion of a given peak acceleration with."""
+        """Return the factor for a motion of a given peak acceleration."""
         return self.target_pga / peak if self.target_pga is not None else 1.0 if self.scale is None else self.scale
 
 

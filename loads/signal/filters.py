@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What is done to a record's samples before its baseline is corrected: mean, taper, resampling, band-pass.
+r"""Processing of a record's samples before its baseline is corrected: mean, taper, resampling, band-pass.
 
 **Resampling** by a ratio up/down of whole numbers: zeros are put between the samples, a linear-phase low-pass filter of finite length
 (Kaiser window, beta 8: 80 dB) is applied, every ``down``-th value is kept (Crochiere & Rabiner, "Multirate Digital Signal

@@ -54,7 +54,7 @@ def incremental_velocity(history: History, period: float, alpha: float = ALPHA, 
 
 
 def _gains(velocity: np.ndarray, slope: np.ndarray, window: float) -> np.ndarray:
-    """What a velocity gains over a window, given it and its slope per sample at the samples; the window is counted in samples."""
+    """Return the gain of a velocity over a window, given it and its slope per sample at the samples; the window is counted in samples."""
     whole = math.floor(window + ALIKE)
     into = window - whole if window - whole > ALIKE else 0.0
     count = len(velocity) - whole - (1 if into else 0)

@@ -109,7 +109,7 @@ class Measure:
         return self.quantity.combined(ROTATED[self.rule](self.quantity.around(x, y)))
 
     def factor(self, level: float, motion: Motion) -> float:
-        """What to multiply a motion with so that the measure becomes ``level``, in ``unit``, above zero.
+        """Return the factor for a motion by which the measure becomes ``level``, in ``unit``, above zero.
 
         Raises:
             InputError: it does not grow with the motion, or the motion is zero.

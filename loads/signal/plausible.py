@@ -29,7 +29,7 @@ def doubts(processed: Processed, correction: str, where: str) -> list[str]:
 
 
 def _cut_off(processed: Processed, where: str) -> list[str]:
-    """Whether the motion begins or ends while the ground shakes."""
+    """Doubt a motion that begins or ends while the ground shakes."""
     values, raw = processed.about_mean.acceleration, np.abs(processed.before.acceleration)
     some, peak = max(3, round(END_SHARE * len(values))), float(np.abs(values).max())
     ends = (("begins", values[:some], raw[0]), ("ends", values[-some:], raw[-1]))
@@ -80,12 +80,12 @@ def _times(places: Sequence[int], processed: Processed) -> str:
 
 
 def _is_of_pulse(end: float, peak: float) -> bool:
-    """Whether a pulse is as large at one end as a record is there: nothing, or its peak. No record is cut exactly at either."""
+    """Return True if a pulse is as large at one end as a record is there: nothing, or its peak. No record is cut exactly at either."""
     return end <= REST * peak or end >= (1.0 - REST) * peak
 
 
 def _made_anew(processed: Processed, correction: str, where: str) -> list[str]:
-    """Whether the correction of the baseline has changed what it should leave alone: other than the offset that is a mean."""
+    """Doubt a correction of the baseline that changes what it should leave alone: other than the offset that is a mean."""
     if correction == "none":
         return []
     raw, level, after = processed.before.numbers(), processed.about_mean.numbers(), processed.after.numbers()
@@ -103,7 +103,7 @@ def _made_anew(processed: Processed, correction: str, where: str) -> list[str]:
 
 
 def _keeps_offset(processed: Processed, correction: str, where: str) -> list[str]:
-    """Whether an offset of the instrument is left in what is used."""
+    """Doubt samples in which an offset of the instrument is left."""
     offset = processed.offset() if correction == "none" else None
     mean = abs(float(processed.after.acceleration.mean()))
     if offset is None or mean <= OFFSET * offset["pga"] or _rests(processed):
@@ -115,14 +115,14 @@ def _keeps_offset(processed: Processed, correction: str, where: str) -> list[str
 
 
 def _rests(processed: Processed) -> bool:
-    """Whether it is zero at one end for a while, as a pulse is: an offset would be there, too."""
+    """Return True if it is zero at one end for a while, as a pulse is: an offset would be there, too."""
     values = np.abs(processed.before.acceleration)
     some = max(3, round(END_SHARE * len(values)))
     return bool(min(values[:some].max(), values[-some:].max()) <= REST * values.max())
 
 
 def _slow(processed: Processed, where: str) -> list[str]:
-    """Whether the samples are so far apart that their time is likely in another unit."""
+    """Doubt samples that are so far apart that their time is likely in another unit."""
     step = processed.before.step
     if step <= SLOW:
         return []

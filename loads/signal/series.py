@@ -31,7 +31,7 @@ LARGEST = 1e12  # [m/s2]: beyond it squares and sums of samples lose their sense
 
 
 class Keys(NamedTuple):
-    """What the user says about the values of a file."""
+    """Statements of the user about the values of a file."""
 
     quantity: str | None = None
     units: str | None = None
@@ -88,7 +88,7 @@ def derivative(values: np.ndarray, step: float) -> np.ndarray:
 
 
 def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
-    """What the series is of."""
+    """Return the quantity of the series."""
     asked, units = keys.quantity, keys.units
     by_key = _by_unit(units, f'units = "{units}"')
     if units is not None and by_key is None:
@@ -114,7 +114,7 @@ def _quantity(raw: RawRecord, keys: Keys, where: str, path: str) -> str:
 
 
 def _firm(raw: RawRecord, path: str) -> Stated | None:
-    """What the file itself says beyond doubt."""
+    """Return the quantity that the file itself states beyond doubt."""
     unit = None if raw.unit is None else _by_unit(raw.unit, f'its unit "{raw.unit}"')
     heading = raw.stated if raw.stated is not None and raw.stated.firm else None
     if unit and heading and unit.quantity != heading.quantity:

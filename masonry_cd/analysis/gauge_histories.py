@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run kept where its scene looks, as columns over its steps: points, joints, cracks and supports."""
+"""Histories at the gauges of a scene, as columns over the steps of a run: points, joints, cracks and supports."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ UNITS = {
 
 
 def unit_of_column(name: str) -> str:
-    """Of a column of these tables."""
+    """Return the unit of a column of these tables."""
     return UNITS.get(name, UNITS.get(name[:-2] if name[-2:] in ("_x", "_y", "_z") else name[:-1], ""))
 
 
@@ -54,7 +54,7 @@ def support_histories(results: Results) -> dict[str, History]:
 
 
 def crack_histories(results: Results) -> dict[str, History]:
-    """Of each crack gauge by its name: opening along the line between its points as built, and slip across it, a size."""
+    """Return the history of each crack gauge by its name: opening along the line between its points as built, and the size of the slip."""
     found = _plain(results, results.gauges.cracks, "gauges/cracks", _columns("u"))
     made: dict[str, History] = {}
     for gauge, (name, columns) in zip(results.gauges.cracks, found.items(), strict=False):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What a push by displacement has measured: force against displacement, and the numbers that laboratories take from it.
+r"""Results of a push by displacement: force against displacement, and the numbers that laboratories take from it.
 
 Of the side on which the push began, the envelope is made of the points at which a displacement was reached for the first time, of means
 over WINDOW of the run. From it come the peak F_max, the stiffness between 10 and 40 % of it, the displacement u_u after the peak at which
@@ -73,7 +73,7 @@ class PushCurve:
 
     @property
     def energy(self) -> float:
-        """What was put in [J]."""
+        """Work put in [J]."""
         return float(np.sum(self.force * np.diff(self.displacement, prepend=0.0)))
 
     def envelope(self) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +121,7 @@ class PushCurve:
         )
 
     def numbers(self) -> Push:
-        """What a laboratory writes into its table, for the summary."""
+        """Return the numbers of a laboratory's table, for the summary."""
         u, f = self.envelope()
         of_peak: dict[str, Any] = {"peak_force": None}
         if len(f) and f.max() > 0.0:

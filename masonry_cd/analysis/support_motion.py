@@ -29,7 +29,7 @@ class SupportMotion:
 
     @property
     def moves(self) -> bool:
-        """Whether it is one at all."""
+        """Return True if it is one at all."""
         return self.largest > STILL
 
     @property

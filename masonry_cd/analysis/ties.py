@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the ties of a run had to bear. Bars of one name are one tie, whose tension is their sum."""
+"""Tensions of the ties of a run. Bars of one name are one tie, whose tension is their sum."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class TieHistory:
 
     @property
     def area(self) -> float:
-        """Of its section [m2]."""
+        """Area of its section [m2]."""
         return float(sum(bar.section for bar in self.bars))
 
     @property

@@ -17,7 +17,7 @@ NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a run, an assessment or a check, how sure that is, and why."""
+    """The outcome of a run, an assessment or a check, how sure it is, and why."""
 
     grade: str  # D1, "D2 to D4", satisfied, "not graded"; empty where none was asked for
     means: str  # the grade in words; empty where it says all

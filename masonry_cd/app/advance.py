@@ -45,7 +45,7 @@ class Advance:
 
     @property
     def done(self) -> bool:
-        """Whether all steps of the loads are made."""
+        """Return True if all steps of the loads are made."""
         return self.stepper.load_step >= self.steps
 
     def step(self) -> Advanced:

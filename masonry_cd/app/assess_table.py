@@ -44,7 +44,7 @@ class AssessTable(Table):
     damping: Annotated[tuple[Annotated[Number, Field(ge=0, le=1)], ...], DAMPING, Field(strict=False)] = (0.0, 0.02, 0.05)
     """Shares of critical damping, where joints are elastic."""
     members: Annotated[Count, Field(ge=3, le=1000)] = 8
-    """Of the ensemble that shows what chance does."""
+    """Members of the ensemble that shows the effect of chance."""
     leave_out: Annotated[tuple[str, ...], Field(strict=False, json_schema_extra=_or_one_of)] = ()
     """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping",
     "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
@@ -78,6 +78,6 @@ class AssessTable(Table):
 
 
 def _is_range(ends: Any) -> bool:
-    """Whether a value is two coefficients of friction that rise."""
+    """Return True if a value is two coefficients of friction that rise."""
     two = isinstance(ends, (list, tuple)) and len(ends) == 2 and all(is_number(end) for end in ends)
     return two and 0.0 <= ends[0] < ends[1] <= ROUGHEST

@@ -153,7 +153,7 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
 
 
 def make_structures(scene: Scene) -> Made:
-    """What the structures of a scene make.
+    """Make the structures of a scene.
 
     Raises:
         InputError: with file and line of the scene where a key is at fault.

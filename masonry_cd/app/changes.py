@@ -46,7 +46,7 @@ class MaterialChange(Table):
 
 
 class Change(Table):
-    """What changes at once, between two steps."""
+    """A change of the model at one time, between two steps."""
 
     remove: Names = None
     """Blocks or groups that are taken away; * stands for any letters."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a checkpoint holds what a run of a scene leaves, looked at before any of it reaches a compiled kernel."""
+"""Checks that a checkpoint fits the run of a scene, made before any of it reaches a compiled kernel."""
 
 from __future__ import annotations
 

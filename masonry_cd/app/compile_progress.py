@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user sees while kernels are compiled: how many there are, how far it is, which one is at work, and how long it will take.
+"""Progress of the compilation of kernels, as the user sees it: how many there are, which one is at work, how long it will take.
 
 Processes that compile put what they have done into the folder of ``kernel_store.py``: how far they are is how many files have come there.
 The time that is left begins with what an idle machine takes and moves with what is seen. Where a share s of the work is done after a time

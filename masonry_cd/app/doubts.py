@@ -66,14 +66,14 @@ Measure = Callable[[float, Key, Built], tuple[float, str]]
 
 
 def structure_doubts(scene: Scene, blocks: Sequence[Block], names: Sequence[str] = ("structure", "structures", "material")) -> list[str]:
-    """What ``masonry-cd build`` says of some tables of a scene, and the refusal of a time step beside: what is seen without running."""
+    """Return the lines of ``masonry-cd build`` on some tables of a scene, and the refusal of a time step: what is seen without running."""
     tables = _tables(scene)
     found = _unusual({key: tables[key] for key in names if key in tables}, scene, Built(tables, blocks))
     return _spoken([*found, *_stated(tables, blocks)], scene.quiet_checks)
 
 
 def key_doubts(scene: Scene) -> list[str]:
-    """What is said of the keys of a structure by themselves, as where it cannot be built; nothing where its texts are no numbers."""
+    """Return the lines on the keys of a structure by themselves, as where it cannot be built; none where its texts are no numbers."""
     try:
         tables = _tables(scene)
     except InputError:
@@ -82,7 +82,7 @@ def key_doubts(scene: Scene) -> list[str]:
 
 
 def assess_doubts(scene: Scene) -> list[str]:
-    """What ``masonry-cd assess`` says of the table [assess]."""
+    """Return the lines of ``masonry-cd assess`` on the table [assess]."""
     return _spoken(_unusual({"assess": _tables(scene).get("assess", {})}, scene), scene.quiet_checks)
 
 
@@ -305,7 +305,7 @@ MEASURES: Mapping[str, Measure] = {
     "weight of all blocks": _over_all, "E A of the tie": _over_stretch, "height": _over_height, "largest extent": _over_extent,
     "duration": _over_duration, "joints": _over_joints, "its PGA": _over_peak,
 }  # fmt: skip
-"""What a value may be compared with, by the ``over`` of what is usual for its key."""
+"""Values of a structure that a key may be compared with, by the ``over`` of what is usual for the key."""
 
 
 def astray(tables: Mapping[str, Any], gravity: Sequence[float], built: tuple[Assembly, Joints] | None = None) -> Iterator[tuple[str, str]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run left out because its scene does not need it, and why: ``masonry-cd run --explain``, and ``explanation`` in summary.json.
+"""Parts of the program that a run left out, as its scene does not need them, and why: ``run --explain``, ``explanation`` in summary.json.
 
 Every line names what was spared, and what it rests on: a symmetry, a bound, a counter of the run, or what the scene does not ask for.
 """
@@ -61,7 +61,7 @@ def _pairs(stepper: Stepper, report: RunReport) -> list[str]:
 
 
 def _islands(scene: Scene, report: RunReport) -> str:
-    """What was solved by itself, and what was not solved at all."""
+    """Describe the islands that were solved separately, and those that were not solved at all."""
     if not scene.run.islands:
         return "islands: all blocks solved as one, since run.islands is false"
     found = f"islands, which touch one another only through supports: {report.islands_mean:.3g} on average, {report.islands_max} at most"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether results may be written into a folder."""
+"""Folders into which results may be written."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def names_of_run() -> tuple[str, ...]:
 
 
 def is_run(folder: Path) -> bool:
-    """Whether a folder that has no list of its files is that of a run of an earlier version: by the attributes of its result.h5."""
+    """Return True if a folder that has no list of its files is that of a run of an earlier version: by the attributes of its result.h5."""
     from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 
     if not (folder / RUN[0]).is_file():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run keeps of its gauges in every step, see :mod:`masonry_cd.io.gauges`."""
+"""Rows of the gauges that a run keeps in every step, see :mod:`masonry_cd.io.gauges`."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a limit analysis begins with, of the whole or of parts: the blocks of a scene, their joints, what its table ``[limit]`` asks."""
+"""The start of a limit analysis, of the whole or of parts: the blocks of a scene, their joints, and its table ``[limit]``."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class LimitStructure:
         return self.loads(self.asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))
 
     def loads(self, asked: LimitTable | None = None) -> StaticLoads:
-        """What acts on it, as its own table or another one asks for it.
+        """Return the loads on it, as its own table or another one asks for them.
 
         Raises:
             InputError: a bad table, or no pattern.

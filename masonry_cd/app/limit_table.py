@@ -42,9 +42,9 @@ class MechanismTable(Table):
     box: Annotated[tuple[Place, Place], Field(strict=False)] | None = None
     """Or: the blocks whose centres of mass lie between these two corners."""
     name: Text | None = None
-    """Of the part in tables; by default what names its blocks."""
+    """Name of the part in tables; by default that of its blocks."""
     direction: DirectionKey | None = None
-    """Of the push; by default those of the part, of other blocks along and against x and y."""
+    """Direction of the push; by default those of the part, of other blocks along and against x and y."""
     mechanisms: (
         Annotated[
             tuple[
@@ -62,8 +62,8 @@ class MechanismTable(Table):
         ]
         | None
     ) = None  # fmt: skip
-    """Of rigid bodies, beside the free least one, or those of a package; by default those of the part, of other blocks overturning and both
-    bendings."""
+    """Mechanisms of rigid bodies, in addition to the free least one, or those of a package; by default those of the part, of other blocks
+    overturning and both bendings."""
 
     @model_validator(mode="after")
     def _one_choice(self) -> MechanismTable:
@@ -81,7 +81,7 @@ class CurveTable(Table):
     steps: Annotated[Count, Field(ge=10, le=400)] = 40
     """From start to end, about."""
     displacement: Annotated[float, Unit("m"), Field(gt=0.0)] | None = None
-    """Of the control block, at which to stop; where the factor vanishes when not given."""
+    """Displacement of the control block, at which to stop; where the factor vanishes when not given."""
 
 
 class LimitTable(Table):
@@ -97,17 +97,17 @@ class LimitTable(Table):
     """Numbers of the [[loads]] of kind point that are weights of masses, which a push or a tilt moves as it moves the blocks (Q_k of
     [C8.7.1.1]); the others are forces without mass."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
-    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves some ten
-    cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
+    """Starts of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves
+    some ten cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
     positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
     """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
     not given."""
     begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
     """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
     time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
-    """Of that run, the end when not given."""
+    """Time of that run, the end when not given."""
     check: CheckTable | None = None
-    """By the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
+    """Check by the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
     curve: CurveTable | None = None
     """The capacity curve: the mechanism at finite displacements."""
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties.
+"""The fate of a structure under growing loads: the load factor at which it gave way, the tensions of its ties.
 
 A push or a tilt grows until the structure gives way: a block has moved, relative to the base, by more than MOVED of the smallest width of a
 block, and the structure carries less than the load applied (:mod:`masonry_cd.app.carried`). Its factor is the largest that it carried.
@@ -52,7 +52,7 @@ def _load_factor(case: Case, results: Results) -> LoadFactor | None:
 
 
 def _patterns(case: Case) -> list[str]:
-    """What limit analysis would multiply of the loads; a push and a tilt grow until the structure gives way."""
+    """Name the loads that limit analysis would multiply; a push and a tilt grow until the structure gives way."""
     from loads.static import patterns
 
     return [pattern for pattern in patterns(case.scene.loads, case.scene.folder) if pattern not in ("", "live")]

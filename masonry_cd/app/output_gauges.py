@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the table ``[output]`` of a scene asks for, found on the structure: blocks, places and joints by number."""
+"""The table ``[output]`` of a scene, found on the structure: blocks, places and joints by number."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class PointTable(Table):
     block: str | None = None
     """Its name; that on which the place lies when not given."""
     corner: str | None = None
-    """Of the block, that which is outermost in some directions: "+x+z", "-x+y-z"."""
+    """Corner of the block that is outermost in some directions: "+x+z", "-x+y-z"."""
     place: Place | None = None
     """Or the point, as built; the centre of mass of the block when neither is given."""
     relative: Flag = True

@@ -100,7 +100,7 @@ class Progress:
 
 
 def is_drawn(stream: TextIO) -> bool:
-    """Whether a bar can be drawn there."""
+    """Return True if a bar can be drawn there."""
     return stream.isatty() and os.environ.get("TERM", "dumb") not in PLAIN
 
 

@@ -44,7 +44,7 @@ class _Acting(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What to call it: its file, and the channel of several."""
+        """Return its name in messages: its file, and the channel of several."""
         return f"{self.path} [{self.column}]" if self.column else self.path
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run writes down: scalars of every step, frames now and then, peaks of the joints, shocks."""
+"""Records of a run: scalars of every step, frames now and then, peaks of the joints, shocks."""
 
 from __future__ import annotations
 

@@ -144,7 +144,7 @@ def _events_of(case: Case, stepper: Stepper, own: Own | None) -> Events | None:
 
 
 class Own(NamedTuple):
-    """What code that steps a case itself brings."""
+    """Forces, laws and solvers of code that steps a case itself."""
 
     stepper: Stepper  # at its beginning
     follow: Callable[[Advance, Advanced], str]  # called after each step; what it returns in words ends the run

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run did, step after step: for its closing lines and summary.json."""
+"""The account of a run, step after step: for its closing lines and summary.json."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 @dataclass
 class RunReport:
-    """What a run did, for its closing lines and summary.json."""
+    """The account of a run, for its closing lines and summary.json."""
 
     steps: int = 0
     stepping_seconds: float = 0.0
@@ -98,7 +98,7 @@ class RunReport:
 
     @property
     def at_rest(self) -> bool:
-        """Whether works and motions stayed below what solving to the tolerance leaves, so that they are no measure."""
+        """Return True if works and motions stayed below what solving to the tolerance leaves, so that they are no measure."""
         return bool(self.work_max <= self.resolution)
 
     @property

@@ -52,25 +52,25 @@ class SceneTables(Table):
     """The top level of the file."""
 
     format: Annotated[int, Field(strict=True, ge=1)] = FORMAT
-    """Of the keys of this file."""
+    """Format of the keys of this file."""
     title: str | None = None
-    """Of pictures and closing lines; the name of the file when not given."""
+    """Title of pictures and closing lines; the name of the file when not given."""
     structure: dict[str, Any] | None = None
-    """What stands."""
+    """The structure."""
     structures: list[dict[str, Any]] = Field(default_factory=list)
     """Or several structures side by side, [[structures]] each: the keys of [structure], and name, at, rotate."""
     material: dict[str, Any]
-    """What it is made of."""
+    """The material of blocks and joints."""
     loads: list[dict[str, Any]] = Field(default_factory=list)
-    """What shakes it, [[loads]] each; they add up. Gravity acts in full without one."""
+    """Loads, [[loads]] each; they add up. Gravity acts in full without one."""
     links: list[dict[str, Any]] = Field(default_factory=list)
     """Hinges, sliders and rigid links between two blocks, [[links]] each, in the place of whatever joint these have."""
     run: dict[str, Any] | None = None
     """How it is computed. A scene with [limit] needs none for limit analysis, which has no time step."""
     report: dict[str, Any] = Field(default_factory=dict)
-    """What is drawn and written after the run."""
+    """Pictures and tables that are written after the run."""
     limit: dict[str, Any] = Field(default_factory=dict)
-    """What masonry-cd limit multiplies until the structure gives way; a run does not read it."""
+    """Loads that masonry-cd limit multiplies until the structure gives way; a run does not read it."""
     assess: dict[str, Any] = Field(default_factory=dict)
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
     output: dict[str, Any] = Field(default_factory=dict)
@@ -190,13 +190,13 @@ class Scene:
 
     @property
     def until_still(self) -> bool:
-        """Whether the run goes on until its blocks are still: by default where damage is graded by what remains."""
+        """Return True if the run goes on until its blocks are still: by default where damage is graded by what remains."""
         graded = self.report.damage or self.report.html
         return graded if self.run.until_still is None else self.run.until_still
 
     @property
     def stress(self) -> bool:
-        """Whether the run keeps stress: where a report is asked for, or a strength to compare it with is given."""
+        """Return True if the run keeps stress: where a report is asked for, or a strength to compare it with is given."""
         return self.report.stress or self.material.compressive_strength is not None
 
     def refuse_static(self) -> None:

@@ -56,7 +56,7 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
 
 
 def _hint(line: str) -> str:
-    """What a line that is no TOML was probably meant to be, in words; empty where that is not plain to see."""
+    """Guess what a line that is no TOML was meant to be; empty where that is not plain to see."""
     _, _, value = line.partition("=")
     return next((f" ({remedy})" for pattern, remedy in SLIPS if re.match(pattern, value.strip())), "")
 
@@ -135,7 +135,7 @@ def parse_change(change: str) -> tuple[str, Any]:
 
 
 def _has_bytes(text: str) -> bool:
-    """Whether a text has lone surrogates, which stand for bytes of the command line or of a name that are no UTF-8."""
+    """Return True if a text has lone surrogates, which stand for bytes of the command line or of a name that are no UTF-8."""
     return any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
@@ -218,7 +218,7 @@ def keys_of(value: object, key: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def is_within(key: str, table: str) -> bool:
-    """Whether a key such as ``run.dt`` is, or lies in, another such as ``run``; all places of a list lie in the list."""
+    """Return True if a key such as ``run.dt`` is, or lies in, another such as ``run``; all places of a list lie in the list."""
     wanted, above = _key_path(key), _key_path(table)
     last = len(above) - 1
     if above and last < len(wanted) and not table.rstrip().endswith("]"):

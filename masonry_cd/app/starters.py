@@ -108,7 +108,7 @@ def _inner(key: Schema) -> Schema | None:
 
 
 def _text(key: Schema) -> str:
-    """What is said of a key, with the words that it takes."""
+    """Return the text on a key, with the words that it takes."""
     words = key.get("enum") or next((choice["enum"] for choice in key.get("anyOf", []) if "enum" in choice), ())
     said = key["description"].rstrip(".")
     return f"{said}: {' | '.join(map(toml_text, words))}" if words else said
@@ -128,7 +128,7 @@ def _noted(words: str, text: str) -> list[str]:
 
 
 def _is_schema(file: Path) -> bool:
-    """Whether a file is the schema of a scene, as another start or another version wrote it."""
+    """Return True if a file is the schema of a scene, as another start or another version wrote it."""
     try:
         return file.name == SCHEMA and json.loads(file.read_text(encoding="utf-8")).get("title") == TITLE
     except (OSError, ValueError, AttributeError):

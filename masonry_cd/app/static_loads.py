@@ -48,7 +48,7 @@ class StaticLoads:
 
     @property
     def only_gravity(self) -> bool:
-        """Whether gravity alone is constant and nothing but friction resists: a tilt is then a push."""
+        """Return True if gravity alone is constant and nothing but friction resists: a tilt is then a push."""
         return not self.constant.any() and not len(self.bars.strength)
 
     def at(self, cosine: float = 1.0) -> Loads:

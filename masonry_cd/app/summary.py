@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def run_summary(case: Case, report: RunReport) -> Summary:
-    """What the run itself yields; numbers that a report counts step by step have its names."""
+    """Return the summary of the run itself; numbers that a report counts step by step have its names."""
     settings, named = case.scene.run, case.scene.material.masonry
     energy = {("kinetic_end" if name == "kinetic" else name): value for name, value in report.energy.items()}
     found = Summary(
@@ -69,7 +69,7 @@ def _of(report: RunReport, table: type[SummaryTable]) -> dict[str, Any]:
 
 
 def _time_step(settings: Run, report: RunReport, tolerance: float) -> TimeStep:
-    """What became of a time step that adapts, with a ``tolerance`` of the local error [m]."""
+    """Return the account of a time step that adapts, with a ``tolerance`` of the local error [m]."""
     lengths = sorted((int(span), count) for span, count in report.spans.items())
     taken = [span for span, _ in lengths] or [1]
     return TimeStep(

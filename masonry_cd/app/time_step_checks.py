@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Whether time step and tolerance resolve the shaking, the blocks and their rest; where not, the run warns, with the number and the block.
+r"""Checks that time step and tolerance resolve the shaking, the blocks and their rest; else the run warns, with the number and the block.
 
 **Shaking.** f95 is the frequency below which 95 % of the base acceleration's mean square lies, from its values at the steps. Fewer than
 PER_PERIOD steps per period of f95 are too few.
@@ -33,7 +33,7 @@ ROCKING = 0.03
 
 
 def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float, step: float) -> list[str]:
-    """What of the shaking and of the blocks a time step is too coarse for.
+    """Return lines on shaking and blocks for which a time step is too coarse.
 
     Args:
         assembly: the blocks.
@@ -63,7 +63,7 @@ def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float,
 
 
 def after_run(assembly: Assembly, results: Results, step: float) -> list[str]:
-    """Whether a block moved so far within a step that it could pass through another; by the velocities of the frames."""
+    """Warn of blocks that moved so far within a step that they could pass through another; by the velocities of the frames."""
     found = fastest(assembly, results)
     if found is None:
         return []

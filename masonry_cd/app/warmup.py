@@ -73,7 +73,7 @@ PLAIN_TAKES = 2.0  # times as long takes numba's own njit
 
 @dataclass(frozen=True)
 class SceneKind:
-    """What decides which kernels a run needs."""
+    """Properties of a scene that decide which kernels a run needs."""
 
     solver: str
     planar: bool
@@ -88,7 +88,7 @@ class SceneKind:
         return kernel_store.name_of("warm-up", _sources(), f"{self} {jit.target()}")
 
     def is_compiled(self) -> bool:
-        """Whether all kernels are in the store."""
+        """Return True if all kernels are in the store."""
         data = None if jit.PLAIN else kernel_store.read(self.file)
         return data is not None and all(map(kernel_store.is_there, json.loads(data)))
 
@@ -257,7 +257,7 @@ def _elasticity(planar: bool, strained: int, spheres: bool) -> dict[str, Any]:
 
 
 def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
-    """Of a contact, and of a block with so many unknowns more than a rigid one has."""
+    """Return the rows of a contact, and the unknowns of a block with that many more than a rigid one has."""
     return (2, 3 + strained) if planar else (3, 6 + strained)
 
 

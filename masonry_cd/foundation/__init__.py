@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What everything else stands on and what knows nothing of masonry: errors, files, tables of keys, compiled kernels."""
+"""Foundation of all packages, which knows nothing of masonry: errors, files, tables of keys, compiled kernels."""

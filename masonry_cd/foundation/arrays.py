@@ -34,7 +34,7 @@ class Stored:
         return [name for name in self._arrays if name not in self._seen]
 
     def holds(self, name: str) -> bool:
-        """Whether there is an array of a name."""
+        """Return True if there is an array of a name."""
         return name in self._arrays
 
     def real(self, name: str, *shape: int | None, finite: bool = True, kind: type = np.float64) -> np.ndarray:

@@ -153,7 +153,7 @@ def _cut(text: str, most: int) -> str:
 
 
 def in_plain_words(failure: OSError) -> str:
-    """What the system refused, as ``out/blocks.json: permission denied``: without its number, and with the file in front."""
+    """Describe a refusal of the system, as ``out/blocks.json: permission denied``: without its number, and with the file in front."""
     if isinstance(failure, BrokenPipeError):
         return "the program that reads the output has gone (broken pipe)"
     if not failure.strerror:

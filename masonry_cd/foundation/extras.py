@@ -57,7 +57,7 @@ def require(what: str, *modules: str, without: str = "") -> None:
 
 
 def missing(failure: ModuleNotFoundError) -> InputError | None:
-    """What to tell the user of a module that is not there; None of one that no extra brings: that is a fault."""
+    """Return the message on a module that is not installed; None of one that no extra brings: that is a fault."""
     from masonry_cd.foundation.errors import InputError
 
     module = (failure.name or "").partition(".")[0]

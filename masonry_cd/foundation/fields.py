@@ -31,7 +31,7 @@ def finite_number(text: str) -> float | None:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a finite number: no truth value, and no whole number beyond the range of all others."""
+    """Return True if a value is a finite number: no truth value, and no whole number beyond the range of all others."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 

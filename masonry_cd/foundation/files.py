@@ -47,7 +47,7 @@ def size_of_regular(path: Path, called: str = "") -> int:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file.
+    """Return True if there is such a file.
 
     Raises:
         InputError: it is there, and is neither a file nor a folder.

@@ -21,7 +21,7 @@ Classes = list[Any]  # of each argument: its class if that is a NamedTuple, else
 
 
 def named_tuples(function: Callable[..., Any]) -> Classes:
-    """By argument of a function, the class of NamedTuple that its annotation says, or None."""
+    """Return, by argument of a function, the class of NamedTuple that its annotation names, or None."""
     hints = get_type_hints(function)
     return [_as_named_tuple(hints.get(name)) for name in signature(function).parameters]
 

@@ -99,7 +99,7 @@ def borrower(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def _decorated(kind: type[Kernel], options: dict[str, Any], function: Callable[..., Any]) -> Any:
-    """What stands for a function in its module."""
+    """Return the object that stands for a function in its module."""
     chosen = COMMON | options
     if PLAIN:
         chosen.pop("_nrt", None)  # no public option
@@ -136,7 +136,7 @@ class Entry(Kernel):
 
     @cached_property
     def _call(self) -> Callable[..., Any]:
-        """What Python enters by."""
+        """Callable by which Python enters."""
         with _MAKING:
             return self.outer if self._flat is None else self._flat.spread
 
@@ -158,12 +158,12 @@ class Entry(Kernel):
 
 
 def target() -> str:
-    """What files of compiled kernels are for: processor, numba and Python."""
+    """Return the target of files of compiled kernels: processor, numba and Python."""
     return f"{processor.target()} numba {numba.__version__} python {sys.version_info[0]}.{sys.version_info[1]}"
 
 
 def keeps() -> bool:
-    """Whether later runs find what this one compiles."""
+    """Return True if later runs find what this one compiles."""
     return not PLAIN and kernel_store.folder() is not None
 
 

@@ -51,7 +51,7 @@ def name_of(entry: str, sources: str, kind: str) -> str:
 
 
 def read(name: str) -> bytes | None:
-    """What is kept under a name; None where nothing is, or only part of it."""
+    """Return the contents kept under a name; None where there are none, or only part of them."""
     for place in places():
         with suppress(OSError):
             whole = (place / name).read_bytes()
@@ -76,7 +76,7 @@ def clock() -> float:
 
 
 def is_there(name: str) -> bool:
-    """Whether something is kept under a name."""
+    """Return True if something is kept under a name."""
     return any((place / name).exists() for place in places())
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What reaches into numba beyond its public interface, for ``jit.py``, which says what for. Tried up to the version named there.
+"""Access to numba beyond its public interface, for ``jit.py``, which gives the reasons. Tried up to the version named there.
 
 A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Entries are
 kept by ``kernel_store.py``; of what is kept only machine code is loaded, without the registries that numba fills before it compiles.
@@ -74,7 +74,7 @@ def _dispatcher(function: Callable[..., Any], options: dict[str, Any], pipeline:
 
 
 class Kept:
-    """What numba takes for the cache of an entry.
+    """Stand-in for numba's cache of an entry.
 
     Args:
         entry: name in the store.
@@ -138,7 +138,7 @@ def _loaded(data: bytes, context: Any) -> Any:
 
 
 class _Environment:
-    """What compiled code of numba's own functions refers to, as it is kept: its constants, without the module of the function.
+    """The environment of compiled code of numba's own functions, as it is kept: its constants, without the module of the function.
 
     No compiled code looks into the module, and some of numba's take as long to import as a small run takes.
     """
@@ -270,7 +270,7 @@ def _let_kernels_be_given() -> None:
 
 
 class _Name:
-    """What numba knows a compiled version of a kernel by."""
+    """The name by which numba knows a compiled version of a kernel."""
 
 
 class _MachineCode(JITCodeLibrary):

@@ -30,7 +30,7 @@ Proof = Callable[[Path], bool]
 
 
 def no_proof(_: Path) -> bool:
-    """Of a folder without a list nothing is known."""
+    """Return False: of a folder without a list nothing is known."""
     return False
 
 
@@ -135,7 +135,7 @@ def _there(folder: Path, names: Iterable[str]) -> list[Path]:
 
 
 def _read(folder: Path) -> dict[str, set[str]]:
-    """What the list says of each file; empty where there is none."""
+    """Return the entries of the list for each file; empty where there is none."""
     try:
         lines = (folder / LIST).read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -148,7 +148,7 @@ def _read(folder: Path) -> dict[str, set[str]]:
 
 
 def _same(path: Path, listed: dict[str, set[str]]) -> bool:
-    """Whether a file is as it was written once."""
+    """Return True if a file is as it was written once."""
     said = listed.get(path.name, set())
     return GROWING in said or (bool(said) and _print(path) in said)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether ``structures``, ``loads`` and ``reports`` are this program's: a file of such a name beside a script would hide them."""
+"""Check that ``structures``, ``loads`` and ``reports`` are this program's: a file of such a name next to a script would hide them."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ PROGRAM = "a program that runs with your rights"
 
 
 class Plugin(NamedTuple):
-    """What a package adds."""
+    """An addition by a package."""
 
     group: str  # one of CALLED
     name: str
@@ -80,7 +80,7 @@ def names(group: str) -> tuple[str, ...]:
 
 
 def load(group: str, name: str) -> Any:
-    """What a package adds, imported.
+    """Import the addition of a package.
 
     Raises:
         InputError: the package cannot be imported, has no such thing, or one with functions that cannot be called as they will be.
@@ -102,7 +102,7 @@ def _called(group: str, found: Any, where: str) -> Any:
 
 
 def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path | None = None) -> Any:
-    """What a name stands for: in the program itself, a file, or a package.
+    """Find the object that a name stands for: in the program itself, a file, or a package.
 
     Args:
         group: of the plug-in.
@@ -126,7 +126,7 @@ def find(group: str, name: str, key: str, known: Mapping[str, Any], folder: Path
 
 
 def _of_file(path: Path, name: str, key: str) -> Any:
-    """What a Python file defines."""
+    """Return the object that a Python file defines."""
     if not is_file(path):
         raise InputError(key, f'no file "{path}"')
     require_trust(key, path.name, PROGRAM)

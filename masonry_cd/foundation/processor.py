@@ -52,7 +52,7 @@ def target() -> tuple[str, str]:
 
 
 def _is_one() -> bool:
-    """Whether this processor is an x86-64-v3, and numba may use all of it."""
+    """Return True if this processor is an x86-64-v3, and numba may use all of it."""
     try:
         found = llvmlite.binding.get_host_cpu_features()
     except RuntimeError:  # LLVM does not know

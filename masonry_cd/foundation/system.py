@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between operating systems, in one place: signals that end a run, locks between processes, and limits of child processes.
+"""Differences between operating systems, in one place: signals that end a run, locks between processes, and limits of child processes.
 
 Windows has no fcntl, no resource, no process groups and few signals; macOS has no /proc. Nothing else in the program names any of these, so
 that all of it can be imported everywhere. What a system lacks is made up for by psutil, which is loaded there alone.
@@ -45,7 +45,7 @@ STOPPING: tuple[int, ...] = tuple(
 
 
 def stays_ignored(number: int) -> bool:
-    """Whether a signal is a hangup that whoever started the program has it ignore, as nohup does."""
+    """Return True if a signal is a hangup that whoever started the program has it ignore, as nohup does."""
     return number == getattr(signal, "SIGHUP", None) and signal.getsignal(number) == signal.SIG_IGN
 
 
@@ -185,7 +185,7 @@ def end(child: subprocess.Popen[Any]) -> None:
 
 
 def name_of_crash(code: int) -> str:
-    """What ended a child, by its exit code: a signal's name or, on Windows, the system's number; empty where it ended by itself."""
+    """Name the cause of a child's end by its exit code: a signal or, on Windows, the system's number; empty where it ended by itself."""
     if code < 0:
         with suppress(ValueError):
             return signal.Signals(-code).name

@@ -31,7 +31,7 @@ def table_schema(model: type[BaseModel]) -> Schema:
 
 
 def key_texts(model: type[BaseModel]) -> dict[str, str]:
-    """What is said of each key of a model, its unit in brackets behind it; those without a word or a unit are left out."""
+    """Return the text on each key of a model, its unit in brackets behind it; those without a word or a unit are left out."""
     plain = {name: " ".join((field.description or "").replace("``", "").split()) for name, field in model.model_fields.items()}
     said = {model.model_fields[name].alias or name: in_brackets(text, unit_of(model.model_fields[name])) for name, text in plain.items()}
     return {name: text for name, text in said.items() if text}
@@ -50,7 +50,7 @@ class Later:
 
 
 def rows(*models: type[BaseModel]) -> Later:
-    """Of a list of tables, each of them of one of these models."""
+    """Return the schema of a list of tables, each of them of one of these models."""
 
     def add(schema: Schema, made: list[Schema]) -> None:
         schema["items"] = made[0] if len(made) == 1 else {"anyOf": made}
@@ -59,7 +59,7 @@ def rows(*models: type[BaseModel]) -> Later:
 
 
 def table_of_its_own(model: type[BaseModel]) -> Later:
-    """Of a table."""
+    """Return the schema of a table."""
 
     def add(schema: Schema, made: list[Schema]) -> None:
         schema |= made[0] | {key: schema[key] for key in ("description",) if key in schema}
@@ -68,7 +68,7 @@ def table_of_its_own(model: type[BaseModel]) -> Later:
 
 
 def one_or_by_name(model: type[BaseModel]) -> Later:
-    """Of a table that holds the keys of one model, or tables of it by name."""
+    """Return the schema of a table that holds the keys of one model, or tables of it by name."""
 
     def add(schema: Schema, made: list[Schema]) -> None:
         schema.pop("additionalProperties", None)
@@ -140,14 +140,14 @@ def _plain(schema: Any, definitions: Schema) -> Any:
 
 
 def _is_finite(value: object) -> bool:
-    """Whether JSON can write a value."""
+    """Return True if JSON can write a value."""
     if isinstance(value, (list, tuple)):
         return all(map(_is_finite, value))
     return not isinstance(value, float) or math.isfinite(value)
 
 
 def _is_single(value: object, choices: list[Schema]) -> bool:
-    """Whether a list of one stands for its only value."""
+    """Return True if a list of one stands for its only value."""
     return isinstance(value, (list, tuple)) and len(value) == 1 and any({"number", "integer"} & {*_types(choice)} for choice in choices)
 
 

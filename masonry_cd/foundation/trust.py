@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether code that a scene names may run: only where whoever runs it says so, by --trust on the command line or ``mc.trust()`` in Python.
+"""Trust in code that a scene names: it runs only where the user allows it, by --trust on the command line or ``mc.trust()`` in Python.
 
 Processes of a study inherit it, so it is kept in their environment; a scene cannot set it.
 """
@@ -22,7 +22,7 @@ def trust(given: bool = True) -> None:
 
 
 def trusted() -> bool:
-    """Whether such code may run."""
+    """Return True if such code may run."""
     return os.environ.get(VARIABLE) == "1"
 
 

@@ -90,7 +90,7 @@ class Key(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """What a unit measures, in words for messages."""
+    """The quantity that a unit measures, as messages name it."""
 
     what: str
     example: str
@@ -213,7 +213,7 @@ def number_in(text: str, unit: str) -> float:
 
 
 def begins_as_number(text: str) -> bool:
-    """Whether a text is meant to be a number with a unit."""
+    """Return True if a text is meant to be a number with a unit."""
     return bool(re.match(r"\s*[+-]?[.,]?\d", text))
 
 
@@ -228,7 +228,7 @@ def _as_written(unit: str) -> str:
 
 
 def _declared(models: Models, key: str, value: object) -> Declared:
-    """What the models of a table say of one of its keys; tables by name, as joint laws by pair of groups, are such tables themselves."""
+    """Return the declaration of a key by the models of a table; tables by name, as joint laws by pair of groups, are such tables."""
     for model in models:
         if key in (fields := _fields(model)):
             return fields[key]
@@ -257,7 +257,7 @@ def _read(value: Any, declared: Declared, parts: tuple[str | int, ...]) -> Any:
 
 @cache
 def _fields(model: type[BaseModel]) -> dict[str, Declared]:
-    """What each key of a model declares."""
+    """Return the declaration of each key of a model."""
     found = {}
     for name, field in model.model_fields.items():
         models = (*getattr(field.json_schema_extra, "models", ()), *models_in(field.annotation))  # the first: of its JSON schema
@@ -272,7 +272,7 @@ def unit_of(field: FieldInfo) -> str:
 
 
 def _marks(annotation: Any) -> Iterator[Any]:
-    """What stands in the ``Annotated`` within an annotation such as ``list[Annotated[float, Unit("m")]] | None``."""
+    """Yield the contents of the ``Annotated`` within an annotation such as ``list[Annotated[float, Unit("m")]] | None``."""
     yield from getattr(annotation, "__metadata__", ())
     for inner in get_args(annotation):
         yield from _marks(inner)
@@ -287,7 +287,7 @@ def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _of_another_dimension(number: Decimal, given: str, unit: str) -> str:
-    """What is wrong with a number in a unit that does not measure what the key asks for; a weight in place of a mass is divided by g."""
+    """Describe the fault of a number in a unit that does not measure what the key asks for; a weight in place of a mass is divided by g."""
     kind, wanted = KINDS[unit], _in_base(unit, unit)
     size, over_gravity = _in_base(f"{given}/{GRAVITY}", "")
     if unit.startswith("kg") and over_gravity == wanted[1]:

@@ -33,7 +33,7 @@ BLOCK_FILE = "blocks.json"
 
 
 def hold_arrays(tables: Mapping[str, Any]) -> bool:
-    """Whether some of the tables of a scene hold geometry or motion as arrays."""
+    """Return True if some of the tables of a scene hold geometry or motion as arrays."""
     structure, loads = tables.get("structure"), tables.get("loads")
     own_blocks = _is_list(structure) or (isinstance(structure, Mapping) and BLOCKS in structure)
     own_motion = _is_list(loads) and any(_moves_by_arrays(load) for load in loads)
@@ -41,7 +41,7 @@ def hold_arrays(tables: Mapping[str, Any]) -> bool:
 
 
 def _moves_by_arrays(load: Any) -> bool:
-    """Whether a table of ``loads``, or a component of its shocks, is a record that comes as arrays; other kinds have keys of their own."""
+    """Return True if a table of ``loads``, or a component of its shocks, is a record of arrays; other kinds have keys of their own."""
     if not isinstance(load, Mapping):
         return False
     if load.get("kind") == "sequence":
@@ -81,7 +81,7 @@ def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
-    """Whether a value is a list of any kind."""
+    """Return True if a value is a list of any kind."""
     return isinstance(value, Sequence) and not isinstance(value, str | bytes)
 
 

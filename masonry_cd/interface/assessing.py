@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the answer of a scene rests on, as ``masonry-cd assess`` finds it: a verdict, a table of runs, a tornado chart, a page."""
+"""The assumptions on which the answer of a scene rests, by ``masonry-cd assess``: a verdict, a table of runs, a tornado chart, a page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ UNITS = {**units_in(ASSESS), "seconds": "s"}
 
 
 class Assessment(Sealed):
-    """What an assessment found. Made by :func:`masonry_cd.assess`; ``print`` shows the closing lines of the command line."""
+    """Findings of an assessment. Made by :func:`masonry_cd.assess`; ``print`` shows the closing lines of the command line."""
 
     folder: Path
     keeper: TemporaryFolder | None
@@ -44,7 +44,7 @@ class Assessment(Sealed):
 
     @property
     def title(self) -> str:
-        """Of the scene."""
+        """Title of the scene."""
         return self._found.title
 
     @property

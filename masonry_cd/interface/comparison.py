@@ -24,7 +24,7 @@ Source = Run | str | os.PathLike[str]
 
 
 class Comparison(Sealed):
-    """What differs in the scenes of some runs, in their damage and in their response; ``print`` shows it as Markdown."""
+    """Differences in the scenes of some runs, in their damage and in their response; ``print`` shows them as Markdown."""
 
     def __init__(self, found: comparison.Comparison) -> None:
         self._found = found

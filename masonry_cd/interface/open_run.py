@@ -37,7 +37,7 @@ class OpenRun(Sealed):
         self._sums = True  # the first look at the file is at all of it
         with self.results() as found:
             self.title = found.title
-            """Of the scene."""
+            """Title of the scene."""
             self.time = np.asarray(found.time, dtype=float)
             """(F,) of its frames [s]."""
             self._sums = bool(found.words)

@@ -208,7 +208,7 @@ class OwnForces:
         ticks: int = 1,
         yielded: np.ndarray | None = None,
     ) -> Acting:
-        """What acts over some steps from one on, see :class:`masonry_cd.mechanics.model.block_forces.BlockForces`.
+        """Return the forces over some steps from one on, see :class:`masonry_cd.mechanics.model.block_forces.BlockForces`.
 
         Raises:
             InputError: own forces that are not numbers, or lead out of the plane in which the scene is solved.
@@ -290,11 +290,11 @@ class OwnForces:
         return OwnForces(None if self.base is None else self.base.ties_alone(), (), self.dt)
 
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """By how much each tie of the loads is longer than it was, (T,) [m]."""
+        """Return the elongation of each tie of the loads, (T,) [m]."""
         return np.zeros(0) if self.base is None else self.base.stretches(position, rotation)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """By how much each tie of the loads has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
+        """Return the permanent stretch of each tie of the loads, (T,) [m], after ``yielded`` (T,) before."""
         return yielded if self.base is None else self.base.yields(position, rotation, yielded)
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:

@@ -32,7 +32,7 @@ HEIGHT = 900  # of a page in a notebook [pixels]
 
 
 class Plots(Sealed):
-    """What ``run.plot`` offers.
+    """The pictures of ``run.plot``.
 
     Args:
         results: opens the result file.
@@ -84,7 +84,7 @@ class Plots(Sealed):
             return image_of(stress_scene(found, None if time is None else frame_at(found, time), style))
 
     def energy(self) -> Figure:
-        """What was put in, where it went, and the balance, over time."""
+        """Draw the energy put in, where it went, and the balance, over time."""
         from reports.outputs.energy import energy_figure
 
         with self._results() as found:

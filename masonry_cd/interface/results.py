@@ -59,7 +59,7 @@ class Run(RunExports, RunStress):
 
     @cached_property
     def _summary(self) -> Summary:
-        """What the run has come to."""
+        """Return the outcome of the run."""
         with self.results() as found:
             written = read_summary(self.folder) or found.closing or Summary()
             if written.has("joints_opened"):
@@ -70,7 +70,7 @@ class Run(RunExports, RunStress):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What the run has come to, as in summary.json; of a run that was killed, what its frames show.
+        """Return the outcome of the run, as in summary.json; of a run that was killed, what its frames show.
 
         Raises:
             InputError: a file summary.json that is none.
@@ -89,7 +89,7 @@ class Run(RunExports, RunStress):
 
     @property
     def warnings(self) -> list[str]:
-        """What must not pass in silence, a line each."""
+        """Warnings of the run, a line each."""
         return [*self._words, *self._summary.warnings]
 
     @cached_property
@@ -242,7 +242,7 @@ class Run(RunExports, RunStress):
         return frame_of(columns, curve.time, "time", numbers=curve.numbers().as_dict())
 
     def gauge(self, name: str) -> DataFrame:
-        """What a point, joint, crack or support of the scene's [output] has recorded: a row per step, as in points.csv and so on.
+        """Return the record of a point, joint, crack or support of the scene's [output]: a row per step, as in points.csv and so on.
 
         Raises:
             InputError: none has this name.

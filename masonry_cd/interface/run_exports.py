@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run holds in the shapes of other programs: forces, lines of thrust, labelled arrays, meshes, traces."""
+"""A run in the shapes of other programs: forces, lines of thrust, labelled arrays, meshes, traces."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Thrust(NamedTuple):
 
 
 class RunExports(OpenRun):
-    """Of a run; ``time`` picks the frame next to it [s], the last one where none is given."""
+    """Exports of a run; ``time`` picks the frame next to it [s], the last one where none is given."""
 
     def joint_forces(self, time: float | None = None) -> DataFrame:
         """A row per joint: the force on its block b, fx, fy, fz [N], of which the opposite acts on block a, and where it acts, x, y, z [m].

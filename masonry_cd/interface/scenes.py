@@ -70,12 +70,12 @@ class Scene(Sealed):
 
     @property
     def checked(self) -> CheckedScene:
-        """What the application makes of it: the checked tables."""
+        """Return the checked tables of the application."""
         return self._checked
 
     @property
     def title(self) -> str:
-        """Of pictures and closing lines."""
+        """Title of pictures and closing lines."""
         return self._checked.title
 
     @property

@@ -217,7 +217,7 @@ class Simulation(Copies):
         return recorded(self._case, self.scene, folder, own, progress, force)
 
     def _recorded_step(self, advance: Advance, made: Advanced) -> str:
-        """What follows a step that the run loop made; why it should end, in words."""
+        """Continue after a step that the run loop made; return why the run should end."""
         self._advance = advance
         self._follow(made)
         return self._asked_to_stop

@@ -64,7 +64,7 @@ class Study(Sealed):
 
     @property
     def title(self) -> str:
-        """Of pictures and closing lines."""
+        """Title of pictures and closing lines."""
         return self._found.asked.title
 
     @cached_property
@@ -122,7 +122,7 @@ class Study(Sealed):
 
     @property
     def warnings(self) -> list[str]:
-        """What must not pass in silence, a line each."""
+        """Warnings of the study, a line each."""
         return self._findings.warnings
 
     @property
@@ -252,7 +252,7 @@ def without_main() -> Iterator[None]:
 
 
 def warn(lines: Iterable[str]) -> None:
-    """What is doubtful of the runs before any of them is made."""
+    """Warn of doubtful runs before any of them is made."""
     for line in lines:
         warnings.warn(line, RunWarning, stacklevel=2)
 

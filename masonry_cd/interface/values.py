@@ -38,7 +38,7 @@ def plain(value: Any, key: str) -> Any:
 
 
 def changes(tables: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> Iterator[str]:
-    """What tables change in others, as ``key=value``, the form of ``--set``.
+    """Yield the changes of tables against others, as ``key=value``, the form of ``--set``.
 
     Keys of a table that is there already are changed one by one; a table that says its ``kind`` takes the place of the other, since its
     keys are those of its kind.

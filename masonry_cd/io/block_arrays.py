@@ -71,7 +71,7 @@ def read_fill(group: h5py.Group) -> CoveredFaces | None:
 
 
 def _carried(group: h5py.Group, count: int) -> list[Carried | None]:
-    """What each block carries."""
+    """Return the carried values of each block."""
     if "carried_mass" not in group:
         return [None] * count
     mass, centre, inertia = (group[f"carried_{name}"][...] for name in Carried._fields)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run keeps in every step where its scene looks: guided blocks, points, joints, cracks and supports.
+"""Histories that a run keeps in every step at its gauges: guided blocks, points, joints, cracks and supports.
 
 What does not change of them is JSON in the attribute ``gauges`` of the result file, absent where there are none. Of N steps:
 
@@ -79,7 +79,7 @@ class Gauges(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Return True if there is one."""
         return any(self)
 
     def as_text(self) -> str:

@@ -69,11 +69,11 @@ class _Source(io.RawIOBase):
         return mended + struct.pack("<I", lookup3(mended)), bool(marks)
 
     def seekable(self) -> bool:
-        """Whether there is :meth:`seek`."""
+        """Return True if there is :meth:`seek`."""
         return True
 
     def readable(self) -> bool:
-        """Whether there is :meth:`readinto`."""
+        """Return True if there is :meth:`readinto`."""
         return True
 
     def seek(self, place: int, whence: int = os.SEEK_SET) -> int:

@@ -40,12 +40,12 @@ class Dataset(NamedTuple):
 
     @property
     def grows(self) -> bool:
-        """Whether it gets rows as the run goes."""
+        """Return True if it gets rows as the run goes."""
         return self.shape[0] in GROWS
 
     @property
     def peak(self) -> bool:
-        """Whether it holds largest values over all steps, which are written over."""
+        """Return True if it holds largest values over all steps, which are written over."""
         return self.name.startswith(("joints/peak/", "peaks/"))
 
 

@@ -59,7 +59,7 @@ def _owner(pid: int) -> dict[str, Any]:
 
 
 def _read(file: Path) -> dict[str, Any]:
-    """What a lock says; empty where there is none, or one of no sense."""
+    """Return the contents of a lock; empty where there is none, or one of no sense."""
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a result file holds what layout.py says: names, types, shapes, and indices that lie within what they point into.
+"""Checks of a result file against layout.py: names, types, shapes, and indices that lie within what they point into.
 
 Readers go on to compiled kernels and to VTK, which check nothing.
 """
@@ -166,7 +166,7 @@ def _read(file: h5py.File, path: Path, one: Dataset, sizes: Sizes) -> np.ndarray
 
 
 def _fits(shape: tuple[str | int, ...], found: tuple[int, ...], sizes: Sizes) -> bool:
-    """Whether a shape is that of a dataset; the size of a dimension that is not known yet becomes known."""
+    """Return True if a shape is that of a dataset; the size of a dimension that is not known yet becomes known."""
     if len(shape) != len(found):
         return False
     for dimension, size in zip(shape, found, strict=True):

@@ -188,7 +188,7 @@ class ResultWriter:
         return {name: len(dataset) for name, dataset in sorted(self._growing.items())}
 
     def mark(self) -> str:
-        """What tells the rows written so far from those of any other run: a digest of its name and the last row of each dataset."""
+        """Return a mark of the rows written so far that no other run has: a digest of its name and the last row of each dataset."""
         return _mark(self._file, self._growing, self.rows())
 
     def __enter__(self) -> ResultWriter:

@@ -211,7 +211,7 @@ class Results:
 
     @cached_property
     def gauges(self) -> Gauges:
-        """What the run kept in every step besides, see :mod:`masonry_cd.io.gauges`."""
+        """Return the histories at gauges, see :mod:`masonry_cd.io.gauges`."""
         return read_gauges(self.file)
 
     @cached_property
@@ -221,7 +221,7 @@ class Results:
 
     @property
     def has_stress(self) -> bool:
-        """Whether the run kept the stress of its blocks and joints, which a scene asks for."""
+        """Return True if the run kept the stress of its blocks and joints, which a scene asks for."""
         return STRESS in self.file
 
     @property
@@ -251,7 +251,7 @@ class Results:
             yield slice(first, min(first + rows, self.frames))
 
     def has_joint_history(self, name: str) -> bool:
-        """Whether the run wrote a history of its joints; older versions wrote fewer."""
+        """Return True if the run wrote a history of its joints; older versions wrote fewer."""
         return f"joints/{name}" in self.file
 
     def joint_history(self, name: str) -> np.ndarray:
@@ -285,7 +285,7 @@ class Results:
 
     @property
     def peaks_of_steps(self) -> bool:
-        """Whether the largest drifts, displacements and hinges are known over all steps, not only over the frames."""
+        """Return True if the largest drifts, displacements and hinges are known over all steps, not only over the frames."""
         return self._step_peaks_hold and not np.isnan(self.file["peaks/drift"][...]).any()
 
     def step_peaks_after(self, shock: int) -> dict[str, np.ndarray]:
@@ -315,7 +315,7 @@ class Results:
 
     @cached_property
     def closing(self) -> Summary | None:
-        """What summary.json holds of a run that has ended, beside the damage; None for one that has not."""
+        """Return the contents of summary.json of a run that has ended, without the damage; None for one that has not."""
         count = self.rows(CLOSING)
         return Summary.model_validate_json(self.file[CLOSING][:count].tobytes()) if count else None
 

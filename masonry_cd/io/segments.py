@@ -236,7 +236,7 @@ def _text(value: Any) -> str:
 
 
 def _begun(file: h5py.File, names: Iterable[str]) -> int:
-    """What the first seal begins with: CRC-32 of the name of the run, which no other has, and of the datasets."""
+    """Return the start of the first seal: CRC-32 of the name of the run, which no other has, and of the datasets."""
     return zlib.crc32(" ".join((str(file.attrs["run"]), *names)).encode())
 
 

@@ -53,7 +53,7 @@ GAP = 1e-8  # share of the width of a structure from which on gaps of its joints
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is looked at in addition to what the scene asks for.
+    """Mechanisms and parts to look at in addition to those that the scene asks for.
 
     Attributes:
         parts: the macro-elements of the structure's kind, in addition to those of ``[[limit.mechanism]]``.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is left of the joints in the state at rest about which a run vibrates.
+"""Joints in the state at rest about which a run vibrates: what is left of them.
 
 A dry joint bears only where it is pressed together. Where the weight leaves it open, or lets it gape, it has no stiffness there: the run
 swings slower than the linear model, which takes every joint as closed. A contact acts where it is bonded or pressed; each has the area that

@@ -53,7 +53,7 @@ OUTPUTS = ("vibration.json", "vibration.csv", "sweep.csv", "sweep.png")
 
 
 class VibrationOptions(BaseModel):
-    """What the command can be asked for."""
+    """Options of the command."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
@@ -108,7 +108,7 @@ class SweepRow(NamedTuple):
 
 
 def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: bool = False) -> Result[dict[str, Any]]:
-    """What ``masonry-cd modal --nscd`` does: free vibration, and a sweep where asked, written into a folder.
+    """Run ``masonry-cd modal --nscd``: free vibration, and a sweep where asked, written into a folder.
 
     Args:
         scene: whose joints all are elastic.
@@ -271,7 +271,7 @@ def _at_rest(assembly: Assembly, settings: Run, dt: float, shaking: np.ndarray) 
 
 
 def _history(machine: Stepper, steps: int, measure: Callable[[np.ndarray], Any]) -> np.ndarray:
-    """What is measured of the displacements (B, 6) since now, after each step, (N, ...)."""
+    """Return a measure of the displacements (B, 6) since now, after each step, (N, ...)."""
     position, orientation = machine.state.position.copy(), machine.state.orientation.copy()
     out = []
     for _ in range(steps):

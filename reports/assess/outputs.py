@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the folder of an assessment gets from the reports: table, tornado, page, and in assess.json what follows from the runs."""
+"""Outputs in the folder of an assessment: table, tornado, page, and in assess.json the findings from the runs."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def write_assessment(folder: Path) -> Assessment:
 
 
 def facts_of(found: Assessment) -> dict[str, Any]:
-    """What follows from the runs, for assess.json."""
+    """Return the findings from the runs, for assess.json."""
     whole = on_the_whole(found).as_dict()
     if not found.base.row.done:
         return {"verdict": None, "on_the_whole": whole, "lines": lines_of(found), "warnings": warnings_of(found)}
@@ -204,7 +204,7 @@ def _tiles(found: Assessment) -> list[tuple[str, object, str]]:
 
 
 def _assumed(found: Assessment) -> list[tuple[str, str]]:
-    """What was varied, and what was not."""
+    """Return the assumptions that were varied, and those that were not."""
     rows = [("scene", found.scene)]
     rows += [(one.name, f"{one.base}; varied: {', '.join(one.levels)}") for one in found.ranked]
     rows += [(name, f"not varied: {why}") for name, why in found.left_out]

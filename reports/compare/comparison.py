@@ -44,7 +44,7 @@ from reports.settings import Report, report_of
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What a comparison takes from a run."""
+    """Values of a run for a comparison."""
 
     name: str
     scene: dict[str, Any]  # keys as the user writes them, e.g. loads[0].amplitude

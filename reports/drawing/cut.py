@@ -91,7 +91,7 @@ def plane_of(text: str) -> tuple[str, float | None]:
 
 
 def clipped(surface: Surface, cut: Cut) -> Surface:
-    """What the plane leaves of a surface; caps are extra."""
+    """Return the rest of a surface at a plane; caps are extra."""
     if surface.spared is None:
         return surface
     d = cut.distance(surface.points) + surface.spared
@@ -101,19 +101,19 @@ def clipped(surface: Surface, cut: Cut) -> Surface:
 
 
 def clipped_lines(lines: Lines, cut: Cut) -> Lines:
-    """What the plane leaves of straight lines."""
+    """Return the rest of straight lines at the plane."""
     ends, _ = _kept(lines.points[lines.pairs], cut)
     return replaced(lines, points=ends.reshape(-1, 3), pairs=np.arange(2 * len(ends)).reshape(-1, 2))
 
 
 def clipped_ties(ties: Ties, cut: Cut) -> Ties:
-    """What the plane leaves of ties."""
+    """Return the rest of ties at the plane."""
     ends, kept = _kept(ties.ends, cut)
     return Ties(ends, tuple(ties.texts[i] for i in kept.tolist()), ties.tension[kept])
 
 
 def _kept(ends: np.ndarray, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
-    """What the plane leaves of lines (E, 2, 3), and which of them each was."""
+    """Return the rest of lines (E, 2, 3) at the plane, and which of them each was."""
     d = cut.distance(ends.reshape(-1, 3)).reshape(-1, 2)
     kept = np.flatnonzero((d > 0).any(axis=1))
     out, d = ends[kept].copy(), d[kept]

@@ -192,7 +192,7 @@ class Sheet:
 
     @classmethod
     def around(cls, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
-        """What stands around the model of a scene: title, facts and key, or of the key some ``panels`` alone."""
+        """Return the sheet around the model of a scene: title, facts and key, or of the key some ``panels`` alone."""
         sheet = cls(layout_of(scene))
         sheet.head(scene.title, scene.facts)
         boxes = sheet.plan.keys([panel.wide for panel in scene.key]) if scene.key else []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What scenes are made of: surfaces, lines, ties and keys in plain arrays, views and windows."""
+"""Parts of scenes: surfaces, lines, ties and keys in plain arrays, views and windows."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class View:
 
     @property
     def is_oblique(self) -> bool:
-        """Whether it looks along no axis."""
+        """Return True if it looks along no axis."""
         return bool(np.abs(self.towards).max() < 0.999)
 
     def plane(self, points: np.ndarray) -> np.ndarray:
@@ -91,7 +91,7 @@ class Window:
         return Window(left, right, min(self.bottom, other.bottom), max(self.top, other.top))
 
     def within(self, other: Window) -> Window:
-        """What this one and another have in common."""
+        """Return the intersection with another window."""
         left, right = max(self.left, other.left), min(self.right, other.right)
         return Window(left, right, max(self.bottom, other.bottom), min(self.top, other.top))
 

@@ -89,7 +89,7 @@ def _fill(axes: Any, grounds: Sequence[Any], low: np.ndarray, colour: str) -> No
 
 
 def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
-    """What is in a wall in plan: its openings, white, and its name."""
+    """Draw the openings of a wall in plan, white, and its name."""
     line = wall.drawn_out - low
     for _, outline in wall.openings:
         start, end = np.clip([outline[:, 0].min() + wall.reach[0], outline[:, 0].max() + wall.reach[0]], 0.0, _length(wall)).tolist()

@@ -19,7 +19,7 @@ FEW_TICKS = 10.0  # high over low of an axis on which 1, 2, 5 would leave less t
 
 
 def colour(k: int) -> str:
-    """Of the k-th of several."""
+    """Return the colour of the k-th of several."""
     return COLOURS[k % len(COLOURS)]
 
 

@@ -57,7 +57,7 @@ def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str
 
 
 def _can_be_drawn(block: Block) -> bool:
-    """Whether a block has finite corners, and faces that name them."""
+    """Return True if a block has finite corners, and faces that name them."""
     whole = block.vertices.ndim == 2 and block.vertices.shape[1] == 3 and bool(np.isfinite(block.vertices).all())
     faces = [face for face in block.faces if len(face) >= 3]
     return whole and bool(faces) and all(min(face) >= 0 and max(face) < len(block.vertices) for face in faces)

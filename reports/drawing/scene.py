@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a picture shows: surfaces, lines, joints, ties and words in plain arrays, from where it is seen, and its key.
+"""Contents of a picture: surfaces, lines, joints, ties and words in plain arrays, from where it is seen, and its key.
 
 A :class:`Scene` is built once, of a structure, of a frame of a run, of a mechanism or of a mode; VTK draws it off screen
 (:mod:`reports.drawing.render`), SVG and PDF hold its polygons (:mod:`reports.drawing.vector`), the page's viewer gets its arrays

@@ -57,7 +57,7 @@ def curve_picture(curve: CapacityCurve, path: Path, title: str, facts: str, view
 
 
 def _key(figure: Any, curve: CapacityCurve) -> None:
-    """What the signs of the marked points mean, in a line below them."""
+    """Explain the signs of the marked points, in a line below them."""
     from matplotlib.lines import Line2D
 
     worked = {state for mark in curve.marks for _, _, state in curve.stages[mark].at_work()}

@@ -135,7 +135,7 @@ def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray
 
 
 def _tie_signs(ties: Sequence[LimitTie]) -> list[Sign]:
-    """What the key says of ties."""
+    """Return the signs of ties in the key."""
     return [Sign("line", "tie, with what it pulls" if len(ties) <= LABELLED else "tie, some with what they pull", (PULLING,))] * bool(ties)
 
 

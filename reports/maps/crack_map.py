@@ -43,7 +43,7 @@ LEAST_BAND = 2.5  # ... and no less than this [pixels]
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What a map shows of a frame."""
+    """Subject of a map at a frame."""
 
     framed: Framing
     joints: Joints
@@ -93,7 +93,7 @@ class Subject:
 
     @property
     def has_moved(self) -> bool:
-        """Whether the shape at rest can be seen behind the drawn one."""
+        """Return True if the shape at rest can be seen behind the drawn one."""
         return self.framed.factor * self.largest > 2 * self.framed.pixel
 
     @property
@@ -173,7 +173,7 @@ def at_rest(results: Results, style: MapStyle) -> Scene:
 
 
 def band_width(solids: Solids, pixel: float) -> float:
-    """Of a closed joint [m], for a size of a pixel [m]."""
+    """Return the width of a closed joint [m], for a size of a pixel [m]."""
     smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 

@@ -46,7 +46,7 @@ class MapStyle:
 
 @dataclass(frozen=True, eq=False)
 class Framing:
-    """What all maps of a sequence have in common."""
+    """Framing that all maps of a sequence have in common."""
 
     style: MapStyle
     view: View

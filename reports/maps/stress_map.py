@@ -48,7 +48,7 @@ class StressScale(ColourClasses):
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """What a stress map shows of B blocks and J joints."""
+    """Stresses of B blocks and J joints in a map."""
 
     compression: np.ndarray  # (B,) largest, positive; NaN of supports [Pa]
     open_above: np.ndarray  # (J,) joints above their strength, or with a force at an edge where none is given, while open
@@ -114,7 +114,7 @@ def _colours(pressed: Pressed, compression: np.ndarray) -> np.ndarray:
 
 
 def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> tuple[Subject, np.ndarray | None]:
-    """What the sheet shows, with meshed blocks by their facets, each in the colour (F, 3) of its element."""
+    """Return the subject of the sheet, with meshed blocks by their facets, each in the colour (F, 3) of its element."""
     if results.meshes is None or pressed.of_elements is None:
         return subject, None
     facetted = Facetted.of(subject.solids, results.meshes)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the folder of a run gets from the reports, by the settings of the scene's ``[report]``: a module here for each kind of output."""
+"""Outputs in the folder of a run, by the settings of the scene's ``[report]``: a module here for each kind of output."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the analysis assumes and what it leaves out, in words drawn from the scene; and what the grades of damage mean."""
+"""Assumptions of the analysis and what it leaves out, in sentences drawn from the scene; and the meaning of the grades of damage."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PLANE = (
 
 
 def limits(context: PageContext) -> Mapping[str, Any]:
-    """What is assumed and what is not modelled, a sentence or two each."""
+    """Return the assumptions and what is not modelled, a sentence or two each."""
     results, kinds, moving = context.results, [str(load.get("kind")) for load in context.tables.get("loads", [])], context.moving_axes
     stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
     return {
@@ -47,7 +47,7 @@ def limits(context: PageContext) -> Mapping[str, Any]:
 
 
 def assumptions(context: PageContext) -> list[str]:
-    """What holds in the model."""
+    """Return the assumptions of the model."""
     material = context.tables.get("material")
     found = parse_table(Material, material, "material") if material else None
     return [
@@ -61,7 +61,7 @@ def assumptions(context: PageContext) -> list[str]:
 
 
 def _pressure(results: Results) -> dict[str, str] | None:
-    """What to compare with the strength of the masonry; None where the file does not say."""
+    """Return the pressures to compare with the strength of the masonry; None where the file does not give them."""
     found = largest_pressure(results)
     if found is None:
         return None
@@ -85,7 +85,7 @@ def _blocks(context: PageContext, material: Material | None) -> str:
 
 
 def _kind(context: PageContext, material: Material | None) -> str:
-    """What the free blocks are: rigid, elastic, or some of them."""
+    """Describe the free blocks: rigid, elastic, or some of them."""
     groups = sorted({block.group for block in context.results.blocks if not block.fixed})
     every = sorted({block.group for block in context.results.blocks})
     laws = {} if material is None else {group: law for group in groups if (law := material.of_group(group, every))}
@@ -116,7 +116,7 @@ def _joints(material: Material) -> list[str]:
 
 
 def _otherwise(material: Material) -> str:
-    """What joints without a stiffness of their own are."""
+    """Describe the joints without a stiffness of their own."""
     moduli = material.joint_moduli
     if moduli is None or material.masonry is None:
         return "rigid"
@@ -150,7 +150,7 @@ def _gravity(context: PageContext) -> list[str]:
 
 
 def grades(context: PageContext) -> Mapping[str, Any]:
-    """What D0 to D5 mean: the words of EMS-98, and the numbers of this report."""
+    """Return the meaning of D0 to D5: the words of EMS-98, and the numbers of this report."""
     settings = context.parts.settings.grades if context.parts is not None else Grades()
     measures = ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
     rows = [

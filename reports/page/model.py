@@ -70,7 +70,7 @@ def blocks_and_damage(results: Results, solids: Solids, scene: Scene, table: Joi
 
 
 def names_and_words(results: Results, solids: Solids, thresholds: Thresholds) -> dict[str, Any]:
-    """What fits into JSON of these."""
+    """Return the data that fit into JSON."""
     free = _free(solids)
     away = np.linalg.norm(solids.centre - origin_of(solids), axis=1)
     return {

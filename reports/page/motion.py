@@ -29,7 +29,7 @@ FINEST = 1000.0  # codes per factor of e: steps of 0.1 %
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What B blocks and J joints do over F frames."""
+    """Motion of B blocks and J joints over F frames."""
 
     frames: np.ndarray  # (F,) indices into the result's frames
     time: np.ndarray  # (F,) [s]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the sections of the page say: damage, loads and ties, what is in the model, the checks of the run, and the tables it carries."""
+"""Sections of the page: damage, loads and ties, the model, the checks of the run, and the tables it carries."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _part(row: Mapping[str, Any], whole: bool, context: PageContext) -> list[str
 
 
 def capacity(context: PageContext) -> Mapping[str, Any]:
-    """What the structure was loaded by, and the load factor that it bore where a push or a tilt sought it."""
+    """Return the load on the structure, and the load factor that it bore where a push or a tilt sought it."""
     factor, shaking = _load_factor(context), _shaking(context)
     return {"factor": factor, "shaking": shaking} if factor or shaking else {}
 
@@ -160,7 +160,7 @@ def _direction(vector: Sequence[float]) -> str:
 
 
 def ties(context: PageContext) -> Mapping[str, Any]:
-    """What each tie had to bear."""
+    """Return the tension of each tie."""
     rows = [
         [
             tie.name or " to ".join(tie.blocks),

@@ -36,7 +36,7 @@ TABLES = {"structure": "Structure", "material": "Material", "run": "Computation"
 
 @dataclass(frozen=True, eq=False)
 class PageContext:
-    """What the words are made of."""
+    """Context of the texts of a page."""
 
     results: Results
     thresholds: Thresholds
@@ -70,7 +70,7 @@ class PageContext:
 
     @cached_property
     def checks(self) -> Checks:
-        """What the run checked of itself."""
+        """Checks that the run made of itself."""
         found = Summary(collapsed_blocks=len(self.measured.fallen), displacement_max=self.measured.displacement_max)
         return checks_of(self.summary | found, self.thresholds, self.end)
 
@@ -102,7 +102,7 @@ class PageContext:
         return found
 
     def fallen_of_kinds(self) -> list[tuple[str, int, int]]:
-        """Of blocks and of spheres, where there are free ones: how many fell, and of how many."""
+        """Return for blocks and for spheres, where there are free ones, how many fell, and of how many."""
         down, fixed = set(self.measured.fallen), self.solids.fixed
         free = [block for block, held in zip(self.results.blocks, fixed, strict=True) if not held]
         kinds = {"blocks": [b for b in free if not b.radius], "spheres": [b for b in free if b.radius]}
@@ -134,7 +134,7 @@ def sensible(value: float) -> str:
 
 
 def lead(context: PageContext) -> str:
-    """What stands and what was computed, in a paragraph."""
+    """Describe the structure and the computation, in a paragraph."""
     blocks, solids = context.results.blocks, context.solids
     groups = list(dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed))
     named = f" ({', '.join(groups[:6])}{' …' if len(groups) > 6 else ''})" if groups else ""
@@ -170,7 +170,7 @@ def outcome(context: PageContext) -> list[str]:
 
 
 def notices(context: PageContext) -> list[str]:
-    """What must not be overlooked; nothing when all is well."""
+    """Return the notices that must not be overlooked; none when all is well."""
     summary, out = context.summary, []
     if summary.stopped:
         out.append(f"The run ended early: {summary.stopped}. The page shows it up to there.")

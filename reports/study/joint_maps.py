@@ -40,7 +40,7 @@ REFERENCE = "reference/result.h5"
 
 @dataclass(frozen=True, eq=False)
 class JointStudy:
-    """What a study knows of the joints."""
+    """Joints of a study."""
 
     study: Study
     runs: JointRuns
@@ -63,7 +63,7 @@ class JointStudy:
 
     @property
     def style(self) -> MapStyle:
-        """Of the maps."""
+        """Return the style of the maps."""
         thresholds = self.thresholds
         return MapStyle(thresholds=thresholds, largest=max(LARGEST, 10.0 * max(thresholds.opened, thresholds.slid)))
 
@@ -167,7 +167,7 @@ def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]
 
 @dataclass(frozen=True, eq=False)
 class JointValues:
-    """What a map shows."""
+    """Values of joints in a map."""
 
     path: Path  # of the PNG
     title: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a study's folder gets from the reports: tables, pictures and the page, as far as its design and its runs allow."""
+"""Outputs in a study's folder: tables, pictures and the page, as far as its design and its runs allow."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ MAPS = "probability_*.png"
 
 @dataclass(frozen=True)
 class StudyReport:
-    """What a study comes to, as summary.json has it."""
+    """Summary of a study, as summary.json has it."""
 
     verdict: Verdict
     lines: Sequence[str]
@@ -138,7 +138,7 @@ def diagrams(found: Findings) -> list[str]:
 
 
 def _summary(found: Findings, made: StudyReport) -> dict[str, Any]:
-    """What summary.json holds."""
+    """Return the contents of summary.json."""
     asked = found.study.asked
     return {
         "format": 1,
@@ -189,7 +189,7 @@ def write_page(found: Findings, made: StudyReport) -> None:
 
 
 def _settings(study: Study) -> dict[str, str]:
-    """What was asked."""
+    """Return the settings of the study."""
     asked = study.asked
     return {
         "design": asked.design,

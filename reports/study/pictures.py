@@ -77,7 +77,7 @@ def _curve(axes: Any, fit: Fit, k: int, grid: np.ndarray, main: bool) -> None:
 
 
 def _points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
-    """What the curve was fitted to."""
+    """Draw the points to which the curve was fitted."""
     if not fit.runs:
         return
     look: dict[str, Any] = {"color": colour(k), "markerfacecolor": "white", "markeredgewidth": 1.6, "markersize": 6.5, "zorder": 4}

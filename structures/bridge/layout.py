@@ -125,7 +125,7 @@ def laid_out(keys: BridgeTable) -> Layout:
 
 
 def _is_sound(span: SpanTable, where: str, faults: Faults) -> bool:
-    """Whether nothing is wrong with one span; adds what is to the faults."""
+    """Return True if nothing is wrong with one span; adds what is to the faults."""
     half, rise, before = 0.5 * span.span, span.rise, len(faults.found)
     named = f"of {'an' if span.shape == 'elliptical' else 'a'} {span.shape} span"
     if rise is None and span.shape in ("segmental", "elliptical"):

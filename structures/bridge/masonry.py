@@ -104,7 +104,7 @@ def _head(support: Support, top: list[tuple[float, float]], low: float) -> list[
 
 
 def steep(line: np.ndarray) -> bool:
-    """Whether an extrados (n, 2) rises by more than 45 degrees where it begins, from its springing on."""
+    """Return True if an extrados (n, 2) rises by more than 45 degrees where it begins, from its springing on."""
     across, up = np.abs(line[1] - line[0])
     return bool(up > across)
 

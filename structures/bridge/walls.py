@@ -79,7 +79,7 @@ def _wing(layout: Layout, support: Support, far: float) -> list[np.ndarray]:
 
 
 def _wing_feet(layout: Layout, support: Support, far: float, density: float, number: int) -> list[Block]:
-    """What the wing walls behind a fixed abutment stand on; one of blocks has a foot that reaches as far."""
+    """Return the supports of the wing walls behind a fixed abutment; one of blocks has a foot that reaches as far."""
     near = support.left if support.before is None else support.right
     if not support.keys.rigid:
         return []

@@ -55,7 +55,7 @@ def _row(name: str, rows: Sequence[Row]) -> Row:
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """What an arch springs from."""
+    """Support from which an arch springs."""
 
     place: np.ndarray  # (2,) [m]
     half: float  # of its width along the arcade [m]

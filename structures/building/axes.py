@@ -57,7 +57,7 @@ class Facet:
 
     @cached_property
     def length(self) -> float:
-        """Of its chord [m]."""
+        """Length of its chord [m]."""
         return float(np.hypot(*(self.end - self.start)))
 
     @cached_property
@@ -80,7 +80,7 @@ class Facet:
         return np.stack([(points - self.start) @ self.along, (points - self.start) @ self.left], axis=-1)
 
     def sine(self, other: Facet) -> float:
-        """Of the angle from its direction to that of another."""
+        """Return the sine of the angle from its direction to that of another."""
         (ax, ay), (bx, by) = self.along, other.along
         return float(ax * by - ay * bx)
 
@@ -116,7 +116,7 @@ class Leg:
 
     @property
     def thickness(self) -> float:
-        """Of the wall [m]."""
+        """Thickness of the wall [m]."""
         return self.keys.thickness
 
     @property
@@ -275,7 +275,7 @@ def _arc(start: np.ndarray, arc: ArcTable, fixed: Sequence[Span], keys: Building
 
 
 def _stretches(keys: BuildingWallTable, whole: Sequence[Span], before: float) -> list[Span]:
-    """What is to lie in one facet, from the start of an arc that begins at a length of the axis: openings, and what is to be whole [m]."""
+    """Return the stretches that lie in one facet, from the start of an arc at a length of the axis: openings, and whole ones [m]."""
     found = []
     for opening in keys.openings:
         half = 0.5 * opening.width + (opening.ring or opening.bearing or 0.35 * opening.width) + JAMB + INNER * keys.thickness

@@ -73,7 +73,7 @@ def _courses(keys: BuildingColumnTable, table: BuildingTable) -> float:
 
 
 def _ends(keys: BuildingColumnTable) -> tuple[bool, float, float]:
-    """Whether a round column is plain, and the heights of its plinth and capital [m]."""
+    """Return if a round column is plain, and the heights of its plinth and capital [m]."""
     plain = keys.height < LEAST_HEIGHT * keys.size
     return (plain, 0.0, 0.0) if plain else (plain, 0.25 * keys.size, 0.4 * keys.size)
 

@@ -176,7 +176,7 @@ def _layings(plan: Plan, table: BuildingTable, frames: dict[tuple[int, int], lis
 
 
 def _shared(plan: Plan, height: Sequence[float]) -> dict[float, set[float]]:
-    """By height of course, the levels at which walls of other courses begin or end at junctions: who fills these changes there [m]."""
+    """Return, by height of course, the levels where walls of other courses begin or end at junctions: who fills these changes there [m]."""
     found: dict[float, set[float]] = {}
     for junction in plan.junctions:
         courses = {height[leg] for leg in junction.legs}
@@ -263,7 +263,7 @@ def _wall_blocks(walls: Walls, number: int, laid: Sequence[Stone], density: floa
 
 
 def density_of(keys: BuildingWallTable, density: float) -> float:
-    """Of a wall [kg/m3]: its own, that of its masonry, or that of the material."""
+    """Return the density of a wall [kg/m3]: its own, that of its masonry, or that of the material."""
     if keys.density is not None:
         return keys.density
     if keys.masonry is not None:
@@ -302,7 +302,7 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
 
 
 def _turns(one: Piece, other: Piece) -> bool:
-    """Whether two stones beside a bend are one: in odd courses, where both are level."""
+    """Return True if two stones beside a bend are one: in odd courses, where both are level."""
     level = polygons.is_rectangle(one.shape) and polygons.is_rectangle(other.shape)
     return one.course % 2 == 1 and level and one.shape.bounds[1::2] == other.shape.bounds[1::2]
 

@@ -52,7 +52,7 @@ class Plan:
     orders: dict[tuple[Junction, int, float, float], Turns] = field(default_factory=dict)  # by junction, course and heights
 
     def shape(self, leg: int, facet: int) -> Polygon:
-        """What a facet would fill in plan if it came first everywhere; s, n [m]."""
+        """Return the area that a facet would fill in plan if it came first everywhere; s, n [m]."""
         key = leg, facet
         if key not in self.shapes:
             self.shapes[key] = _drawn_out(self, leg, facet)
@@ -69,7 +69,7 @@ class Plan:
         ]
 
     def owned(self, leg: int, facet: int, course: int, low: float, high: float) -> list[Polygon]:
-        """What a facet fills in plan in a course between two heights; s, n [m]."""
+        """Return the areas that a facet fills in plan in a course between two heights; s, n [m]."""
         before, rivals = set[int](), set[Rival]()
         for junction in {id(j): j for j, *_ in self.arms(leg, facet)}.values():
             turns = self.order(junction, course, low, high)
@@ -120,7 +120,7 @@ def order(plan: Plan, junction: Junction, course: int, low: float, high: float) 
 
 
 def _grazes(plan: Plan, arm: Arm, low: float, high: float) -> bool:
-    """Whether any of a leg stands at a junction between two heights."""
+    """Return True if any of a leg stands at a junction between two heights."""
     leg = plan.legs[arm.leg]
     tops = [z for _, z in leg.tops_between(leg.facets[arm.facet], arm.low, arm.high)]
     return max(tops) > low + SAME and leg.base < high - SAME
@@ -167,7 +167,7 @@ def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
 
 
 def _left_of(plan: Plan, number: int, f: int, before: frozenset[int], rivals: frozenset[Rival]) -> list[Polygon]:
-    """What of a facet the legs before it leave, and its rivals where they are higher; what of that is narrow is for itself."""
+    """Return the part of a facet that the legs before it leave, and its rivals where they are higher; narrow parts are by themselves."""
     left: BaseGeometry = plan.shape(number, f)
     for other in sorted(before):
         for g in _met(plan, number, other):

@@ -67,13 +67,13 @@ class Frame:
 
     @property
     def depth(self) -> float | None:
-        """Of a niche [m]; None where the opening goes through."""
+        """Depth of a niche [m]; None where the opening goes through."""
         return self.keys.depth if self.keys.shape == "niche" else None
 
 
 @dataclass(frozen=True)
 class Around:
-    """What a frame takes from its wall [m]."""
+    """Space that a frame takes from its wall [m]."""
 
     s: float  # of its middle, along its facet
     base: float  # z of the foot of the wall

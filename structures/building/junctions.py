@@ -168,7 +168,7 @@ def _meet(
 
 
 def _arm(leg: Leg, number: int, f: int, s: float, reach: float) -> Arm | str:
-    """Whether a facet ends at another wall or goes through; a text where neither is possible."""
+    """Find out if a facet ends at another wall or goes through; a text where neither is possible."""
     facet = leg.facets[f]
     length, name = facet.length, leg.keys.name
     low, high = s - reach, s + reach
@@ -188,7 +188,7 @@ def _arm(leg: Leg, number: int, f: int, s: float, reach: float) -> Arm | str:
 
 
 def _parallelogram(leg: Leg, facet: Facet, other: Leg, across: Facet, point: np.ndarray, sine: float) -> Polygon:
-    """What two strips without ends share."""
+    """Return the area that two strips without ends share."""
     a = 0.5 * other.thickness / sine * facet.along
     b = 0.5 * leg.thickness / sine * across.along
     return Polygon([point + a + b, point - a + b, point - a - b, point + a - b])

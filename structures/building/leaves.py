@@ -48,7 +48,7 @@ def stones(plan: Plan, number: int, laying: Laying, frames: Sequence[Frame]) -> 
 
 
 def _at_end(piece: Piece, leg: Leg) -> bool:
-    """Whether a stone reaches an end of its leg."""
+    """Return True if a stone reaches an end of its leg."""
     left, _, right, _ = piece.shape.bounds
     return left < SAME or right > leg.facets[0].length - SAME
 

@@ -66,7 +66,7 @@ def _masonry(plan: Plan, there: tuple[int, int], keys: WallOpeningTable) -> tupl
 
 
 def _heights_meet(one: WallOpeningTable, other: WallOpeningTable) -> bool:
-    """Whether two openings of a wall may have masonry in common beside them: one does not begin well above the other."""
+    """Return True if two openings of a wall may have masonry in common beside them: one does not begin well above the other."""
     top = [o.sill + (o.height or 2.0 * o.width) + 0.5 * o.width for o in (one, other)]
     return one.sill < top[1] and other.sill < top[0]
 

@@ -46,7 +46,7 @@ class Leaves:
     hollow: bool = False  # which is left out
 
     def ties(self, course: int) -> bool:
-        """Whether a course, counted from the foot, has through-stones."""
+        """Return True if a course, counted from the foot, has through-stones."""
         return self.through > 0 and course % self.through == self.through - 1
 
 
@@ -76,7 +76,7 @@ class Band(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """What a facet fills of a course in one place."""
+    """Area of a course that a facet fills in one place."""
 
     area: Polygon  # in plan, s, n [m]
     clean: tuple[float, float]  # s between which that has the whole thickness [m]
@@ -97,7 +97,7 @@ class Piece:
 
 
 def running(course: int) -> float:
-    """By how much of a block a course is shifted along its wall: half of one in every other."""
+    """Return the share of a block by which a course is shifted along its wall: half of one in every other."""
     return 0.5 * (course % 2)
 
 
@@ -121,7 +121,7 @@ def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]
 
 
 def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], course: int) -> Iterator[Stretch]:
-    """What a facet fills of a course, from its start on."""
+    """Yield the stretches of a course that a facet fills, from its start on."""
     leg = plan.legs[number]
     facet = leg.facets[f]
     low, high = float(laying.beds[course]), float(laying.beds[course + 1])
@@ -167,7 +167,7 @@ def _on_beds(hull: Polygon, low: float, high: float) -> Polygon:
 
 
 def _region(leg: Leg, facet: Facet, area: Polygon, low: float, high: float, hulls: Sequence[Polygon]) -> Polygon | None:
-    """What of a course a footprint fills in its face, without frames; None where nothing."""
+    """Return the region of a course that a footprint fills in its face, without frames; None where nothing."""
     left, _, right, _ = area.bounds
     tops = leg.tops_between(facet, left, right)
     foot = max(low, leg.base)
@@ -246,7 +246,7 @@ def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int)
 
 
 def _touches(area: Polygon, facet: Facet, end: int) -> bool:
-    """Whether a footprint reaches the mitre at an end of its facet."""
+    """Return True if a footprint reaches the mitre at an end of its facet."""
     s = facet.length if end else 0.0
     slope = facet.cuts[end]
     half = max(abs(n) for _, n in polygons.loop(area))
@@ -255,7 +255,7 @@ def _touches(area: Polygon, facet: Facet, end: int) -> bool:
 
 
 def _cut(region: Polygon, low: float, high: float) -> list[Polygon]:
-    """What of a region lies between two head joints; around a hole in two halves."""
+    """Return the parts of a region between two head joints; around a hole in two halves."""
     return [whole for part in polygons.polygons(region.intersection(polygons.box(low, high))) for whole in polygons.without_holes(part)]
 
 
@@ -311,7 +311,7 @@ def _is_sliver(shape: Polygon, laying: Laying) -> bool:
 
 
 def _both_clean(one: Piece, other: Piece) -> bool:
-    """Whether two stones of different courses have the whole thickness, each of them also in the course of the other."""
+    """Return True if two stones of different courses have the whole thickness, each of them also in the course of the other."""
     low, high = max(one.clean[0], other.clean[0]), min(one.clean[1], other.clean[1])
     return all(low - SAME <= p.shape.bounds[0] and p.shape.bounds[2] <= high + SAME for p in (one, other))
 

@@ -43,18 +43,18 @@ class Stone:
 
     @cached_property
     def is_upright(self) -> bool:
-        """Whether all its parts are upright prisms between two heights, over one polygon."""
+        """Return True if all its parts are upright prisms between two heights, over one polygon."""
         low, high = self.heights
         return isinstance(self.plan, Polygon) and all(_is_prism(vertices, low, high) for vertices, _ in self.parts)
 
     @cached_property
     def plan(self) -> BaseGeometry:
-        """What it covers, x, y [m]."""
+        """Plan that it covers, x, y [m]."""
         return _united([_hull(vertices) for vertices, _ in self.parts])
 
     @property
     def least_width(self) -> float:
-        """Of its parts in plan [m]."""
+        """Least width of its parts in plan [m]."""
         return min(least_width(np.array(_hull(vertices).exterior.coords)[:-1]) for vertices, _ in self.parts)
 
 
@@ -126,7 +126,7 @@ def _last(moved: dict[int, int], k: int) -> int:
 
 
 def _unions(sliver: Stone, others: Sequence[tuple[int, Stone]]) -> Iterator[tuple[tuple[bool, float], int, Stone]]:
-    """What a sliver and each of its neighbours make: how good it is, the number of the neighbour, the stone."""
+    """Yield the union of a sliver with each of its neighbours: how good it is, the number of the neighbour, the stone."""
     low, high = sliver.heights
     for k, other in others:
         bottom, top = other.heights
@@ -159,7 +159,7 @@ def _recut(stone: Stone) -> Stone:
 
 
 def _is_prism(vertices: np.ndarray, low: float, high: float) -> bool:
-    """Whether a convex part is an upright prism between two heights."""
+    """Return True if a convex part is an upright prism between two heights."""
     foot, top = vertices[vertices[:, 2] < low + WELD, :2], vertices[vertices[:, 2] > high - WELD, :2]
     if len(foot) != len(top) or 2 * len(foot) != len(vertices):
         return False

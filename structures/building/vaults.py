@@ -176,7 +176,7 @@ def _between(ones: Sequence[tuple[Leg, Facet]], others: Sequence[tuple[Leg, Face
 
 
 def _within(walls: Sequence[Sequence[tuple[Leg, Facet]]]) -> BaseGeometry:
-    """What lies on the inner sides of four walls; of a bent one its longest piece counts."""
+    """Return the area on the inner sides of four walls; of a bent one its longest piece counts."""
     longest = [max(facets, key=lambda item: item[1].length) for facets in walls]
     middle = _middle([facet for _, facet in longest])
     room: BaseGeometry = Polygon(middle + 1e3 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]))
@@ -215,7 +215,7 @@ def _rectangle(shape: Polygon, along: np.ndarray) -> Bay:
 
 
 def stands(leg: Leg, z: float) -> bool:
-    """Whether a leg stands at a height, or up to it."""
+    """Return True if a leg stands at a height, or up to it."""
     return leg.base < z - 1e-6 and max(top for _, top in leg.tops) >= z - 1e-6
 
 

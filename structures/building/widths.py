@@ -38,7 +38,7 @@ def narrower(shape: BaseGeometry, width: float) -> bool:
 
 
 def least_width(ring: np.ndarray) -> float:
-    """Of a convex polygon (n, 2) [m]."""
+    """Return the least width of a convex polygon (n, 2) [m]."""
     side = ring[[*range(1, len(ring)), 0]] - ring
     along = ring[:, :1] * side[:, 1] - ring[:, 1:] * side[:, 0]
     return float(((along.max(axis=0) - along.min(axis=0)) / np.hypot(side[:, 0], side[:, 1])).min())

@@ -55,7 +55,7 @@ class Part(BaseModel):
 
 
 class _Keys(BaseModel):
-    """What any block of a block file has."""
+    """Keys of any block of a block file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
@@ -122,7 +122,7 @@ def read_unchecked(path: Path, density: float) -> list[Block]:
 
 
 def read_fill(path: Path) -> dict[str, Any]:
-    """What a block file says of fill, see :func:`structures.files.fillfile.with_fill`.
+    """Return the fill of a block file, see :func:`structures.files.fillfile.with_fill`.
 
     Raises:
         InputError: in units that are not those of fill.
@@ -183,7 +183,7 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
 
 
 def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
-    """What any block has, with its defaults."""
+    """Return the common keys of any block, with their defaults."""
     return {
         "name": parsed.name or f"b{index}",
         "density": _density(parsed, density),

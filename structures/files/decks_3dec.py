@@ -102,7 +102,7 @@ def _commands(text: str) -> Iterator[tuple[int, str]]:
 
 
 def _is_block(word: str) -> bool:
-    """Whether a word is block, or short for it."""
+    """Return True if a word is block, or short for it."""
     return len(word) > 1 and "block".startswith(word)
 
 
@@ -206,7 +206,7 @@ def _outward(loops: Sequence[np.ndarray]) -> tuple[np.ndarray, Faces]:
 
 
 def _in_range(where: str, piece: Piece, lower: Sequence[str], words: Sequence[str]) -> bool:
-    """Whether a block is in the range of a command: all blocks, a group, or between two coordinates of its centre.
+    """Return True if a block is in the range of a command: all blocks, a group, or between two coordinates of its centre.
 
     Raises:
         Refused: another kind of range.

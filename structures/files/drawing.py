@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a DXF shows, by ezdxf: the entities of its model space with those that inserts bring, placed in the world.
+"""Contents of a DXF, by ezdxf: the entities of its model space with those that inserts bring, placed in the world.
 
 Both readers of drawings, of blocks (:mod:`structures.files.dxf_blocks`) and of plans (:mod:`structures.plans.dxf_file`), walk it by
 :func:`shown`, in the child process. What is hidden, or cannot be placed, comes with the reason, so that no reader passes it over in
@@ -85,7 +85,7 @@ def sheets_line(drawing: Any, name: str) -> list[str]:
 
 
 def _within(drawn: Any, owner: str, layer: str, hidden: str, mirrored: bool, states: dict[str, str], depth: int) -> Iterator[Shown]:
-    """What a space or an insert holds."""
+    """Yield the contents of a space or an insert."""
     for number, one in enumerate(drawn):
         handle = one.dxf.handle if not owner and one.dxf.handle else f"{owner}/{number}"
         on = str(one.dxf.layer) if one.dxf.hasattr("layer") else "0"

@@ -66,7 +66,7 @@ class FillEntry(Table):
 
 
 class CarriedEntry(Table):
-    """What rides on a block."""
+    """Load that a block carries."""
 
     mass: Share
     centre: Point

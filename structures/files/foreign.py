@@ -47,7 +47,7 @@ class Piece(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What a file holds."""
+    """Contents of a file."""
 
     pieces: Sequence[Any]  # Piece each; of a plan what it is made of
     figures: Sequence[float] = ()  # whose meaning the reader states
@@ -81,7 +81,7 @@ class Refused(Exception):
 
 
 class Limits(NamedTuple):
-    """What a child may use."""
+    """Limits on a child process."""
 
     seconds: float = SECONDS  # processor time [s]
     memory: int = MEMORY  # addresses [B]
@@ -124,7 +124,7 @@ def points_of(rows: Any) -> np.ndarray:
 
 
 def of_model(path: Path) -> Limits:
-    """What a child may use for a CAD model: memory by the size of its file, since a damaged surface asks for any."""
+    """Return the limits of a child for a CAD model: memory by the size of its file, since a damaged surface asks for any."""
     limits = Limits()
     return limits._replace(memory=min(limits.memory, MODEL + PER_BYTE * path.stat().st_size))
 

@@ -101,7 +101,7 @@ def _placed(path: Path, scene: Any, binary: bytes, unread: Counter[str]) -> Iter
 
 
 def _bent(node: Any, mesh: Any) -> str | None:
-    """What changes the mesh of a node besides its matrix; None where nothing does."""
+    """Return what changes the mesh of a node besides its matrix; None where nothing does."""
     if "skin" in node:
         return "a skin is"
     if INSTANCES in node.get("extensions", {}):

@@ -46,7 +46,7 @@ DEFAULT = "block"  # group of a block for which the file states none
 
 @dataclass(frozen=True)
 class Loaded:
-    """What a mesh file holds, and what it says of its unit and axes."""
+    """Contents of a mesh file, with its statements on unit and axes."""
 
     stones: list[list[Piece]]  # the convex parts of each block, or its shell; the first has its name, group and support
     metres: float | None = None  # of its unit
@@ -146,7 +146,7 @@ def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
 
 
 def _marks(path: Path, format_: str) -> dict[str, Any] | None:
-    """What this program wrote beside the shells of a file; None where it did not write it, or another has changed it."""
+    """Return the notes that this program wrote next to the shells of a file; None where it did not write it, or another has changed it."""
     if format_ not in MARKED:
         return None
     try:

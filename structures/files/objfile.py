@@ -96,6 +96,6 @@ def _apart(objects: dict[str, list[list[list[int]]]], groups: dict[str, str]) ->
 
 
 def _is_closed(loops: list[list[int]]) -> bool:
-    """Whether each edge has a face on both sides."""
+    """Return True if each edge has a face on both sides."""
     sides = Counter(frozenset(edge) for loop in loops for edge in zip(loop, (*loop[1:], loop[0]), strict=True))
     return all(count > 1 for count in sides.values())

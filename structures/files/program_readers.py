@@ -92,7 +92,7 @@ def _count_unread(path: Path, item: Any, unread: Counter[str], depth: int = 0) -
 
 
 def _is_world(frame: Mapping[str, Any]) -> bool:
-    """Whether a frame is that of the world: at the origin, along its axes."""
+    """Return True if a frame is that of the world: at the origin, along its axes."""
     data = frame.get("data", frame)
     given = [data.get(key, own) for key, own in (("point", [0, 0, 0]), ("xaxis", [1, 0, 0]), ("yaxis", [0, 1, 0]))]
     return bool(np.allclose(np.array(given, dtype=float), [[0, 0, 0], [1, 0, 0], [0, 1, 0]]))

@@ -135,7 +135,7 @@ def _on_ground(blocks: Sequence[Block]) -> np.ndarray:
 
 
 def _centre(block: Block) -> np.ndarray:
-    """Of the box around a block, (3,) [m]: the shell may be unsound yet."""
+    """Return the centre of the box around a block, (3,) [m]: the shell may be unsound yet."""
     return np.asarray(0.5 * (block.vertices.min(axis=0) + block.vertices.max(axis=0)))
 
 

@@ -63,11 +63,11 @@ class Part:
         return self.corners.min(axis=0) - ON, self.corners.max(axis=0) + ON
 
     def holds(self, part: Part) -> bool:
-        """Whether another one is among those that it is made of."""
+        """Return True if another one is among those that it is made of."""
         return self is part or any(one.holds(part) for one in self.made_of)
 
     def touches(self, other: Part) -> bool:
-        """Whether the boxes about both touch."""
+        """Return True if the boxes about both touch."""
         return bool((other.box[1] > self.box[0]).all() and (other.box[0] < self.box[1]).all())
 
     def faces_on(self, other: Part) -> list[tuple[int, int]]:
@@ -124,7 +124,7 @@ def _first_of_each(normals: np.ndarray, offsets: np.ndarray) -> np.ndarray:
 
 
 def outside(part: Part, solid: Planes, first: np.ndarray) -> list[Part] | None:
-    """What of a part lies outside a convex solid, in convex parts; None where they do not meet.
+    """Return the rest of a part outside a convex solid, in convex parts; None where they do not meet.
 
     The planes ``first`` (F,) bool cut before the others. Of these that comes first which leaves the thickest parts: a shallow pocket
     is cut off upright to the face that it is in, not along it.

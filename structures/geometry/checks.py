@@ -233,7 +233,7 @@ def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
 
 
 def _twice(shells: Shells, along: np.ndarray, against: np.ndarray, ends: str) -> str:
-    """What is wrong where several faces run the same way along an edge, and others against it."""
+    """Describe the fault where several faces run the same way along an edge, and others against it."""
     flat = shells.flat
     numbers = (along - flat.face_start[flat.owner_of_face()[along]]).tolist()
     first, second = (frozenset(flat.loops[flat.loop_start[f] : flat.loop_start[f + 1]].tolist()) for f in along[:2])

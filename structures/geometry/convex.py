@@ -133,7 +133,7 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
 
 
 def is_convex(block: Block) -> bool:
-    """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
+    """Return True if no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
     return excess(block) <= FLATNESS * size_of(block)
 
 
@@ -199,7 +199,7 @@ def _sides(loops: Sequence[np.ndarray], normal: np.ndarray, offset: np.ndarray, 
 
 
 def _pieces_below(pieces: Pieces, normal: np.ndarray, offset: float, on: float, own: int) -> Pieces | None:
-    """What of some pieces lies below the plane of one of them; None where nothing does."""
+    """Return the share of some pieces below the plane of one of them; None where nothing lies there."""
     start = _starts(pieces.loops)
     heights = _heights(np.concatenate(pieces.loops), normal, offset)
     stays, crosses = np.minimum.reduceat(heights, start[:-1]) < -on, np.maximum.reduceat(heights, start[:-1]) > on

@@ -97,7 +97,7 @@ def _flat(block: Block, within: float) -> tuple[Block, float]:
 
 
 def _stands(block: Block) -> bool:
-    """Whether a block passes the checks, split into convex parts if need be."""
+    """Return True if a block passes the checks, split into convex parts if need be."""
     try:
         check_shells([block])
         check([split(block)])

@@ -91,7 +91,7 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
 
 
 def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
-    """Whether two faces lie over each other, nowhere farther apart than the tolerance."""
+    """Return True if two faces lie over each other, nowhere farther apart than the tolerance."""
     normal = planes.normal[i]
     sides = np.roll(planes.polygon[i], -1, axis=0) - planes.polygon[i]
     along = sides[np.argmax(np.linalg.norm(sides, axis=1) > 0.0)]  # corners may coincide
@@ -120,7 +120,7 @@ def _hull(points: np.ndarray) -> np.ndarray:
 
 
 def _overlap(polygon: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """What of a polygon (n, 2) lies in a convex one; empty where they share no area."""
+    """Return the share of a polygon (n, 2) in a convex one; empty where they share no area."""
     size = float(np.ptp(polygon, axis=0).max())
     for a, b in zip(window, np.roll(window, -1, axis=0), strict=True):
         inward = np.array([a[1] - b[1], b[0] - a[0]]) / max(float(np.linalg.norm(b - a)), 1e-300)

@@ -44,7 +44,7 @@ def outer_shell(parts: Sequence[Polyhedron]) -> Polyhedron:
 
 
 def is_closed(faces: Faces) -> bool:
-    """Whether each edge has one face on either side."""
+    """Return True if each edge has one face on either side."""
     edges = [edge for face in faces for edge in pairwise([*face, face[0]])]
     return len(set(edges)) == len(edges) and {(b, a) for a, b in edges} == set(edges)
 

@@ -68,7 +68,7 @@ def plan_of(vertices: np.ndarray) -> np.ndarray:
 
 
 def is_rectangle(shape: Polygon) -> bool:
-    """Whether its sides are level and upright."""
+    """Return True if its sides are level and upright."""
     left, low, right, high = shape.bounds
     return abs(shape.area - (right - left) * (high - low)) < LEAST_AREA * max(1.0, shape.area)
 

@@ -64,7 +64,7 @@ def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
 
 
 def _one_or_many(kind: str) -> dict[str, Any]:
-    """What the JSON schema says of such a key."""
+    """Return the JSON schema of such a key."""
     one = {"type": kind, "exclusiveMinimum": 0}
     return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": 3}]}
 

@@ -52,7 +52,7 @@ class Church:
 
     @property
     def sizes(self) -> Sizes:
-        """Of the stones."""
+        """Sizes of the stones."""
         return Sizes(self.course, self.unit)
 
     @property
@@ -333,7 +333,7 @@ def roof_plates(church: Church) -> list[Block]:
 
 
 def _stretches(low: float, high: float, cut: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """What is left of an interval between the cuts, with a gap beside each."""
+    """Return the rest of an interval between the cuts, with a gap on each side."""
     found = [(low, high)]
     for a, b in cut:
         found = [part for x0, x1 in found for part in ((x0, min(x1, a - GAP)), (max(x0, b + GAP), x1)) if part[1] - part[0] > 0.5]

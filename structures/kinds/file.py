@@ -69,7 +69,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
 
 
 def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:
-    """What files say of fill, and the name of that which does."""
+    """Return the fill that files give, and the name of the file that does."""
     path = Path(keys.path)
     is_own = format_of(folder / path) == "json"
     if keys.fill is None:

@@ -153,7 +153,7 @@ def _core(keys: WallTable) -> tuple[float, float] | None:
 
 
 def _diameters(keys: WallTable, width: float) -> tuple[float, ...]:
-    """Of the rubble in a core of a given thickness [m]."""
+    """Return the diameters of the rubble in a core of a given thickness [m]."""
     return keys.core_diameters or (0.6 * width, 0.4 * width)
 
 

@@ -24,7 +24,7 @@ DEPTH = 0.1  # of the slab, as a share of the height above it
 
 
 def needs_ground(blocks: Sequence[Block]) -> bool:
-    """Whether a structure has supports, but none under the middle of its plan: what falls there falls for ever."""
+    """Return True if a structure has supports, but none under the middle of its plan: what falls there falls for ever."""
     points = np.concatenate([block.vertices for block in blocks])
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))[:2]
     supports = [block.vertices[:, :2] for block in blocks if block.fixed]

@@ -45,7 +45,7 @@ def with_pockets(blocks: Sequence[Block], solids: Sequence[Polyhedron], thin: fl
 
 
 def width_of(block: Block) -> float:
-    """Of its thinnest convex part [m]."""
+    """Return the width of its thinnest convex part [m]."""
     return min(part.width for part in _own_parts(block))
 
 
@@ -56,7 +56,7 @@ def _stones(block: Block, parts: Sequence[Part]) -> list[Block]:
 
 
 def _left(block: Block, solids: Sequence[Planes]) -> list[Part] | None:
-    """What of a block lies outside some convex solids; None where they do not meet it."""
+    """Return the rest of a block outside some convex solids; None where they do not meet it."""
     if not solids:
         return None
     whole = parts = _own_parts(block)
@@ -104,7 +104,7 @@ class _Stones:
     high: np.ndarray
 
     def parts(self, k: int) -> list[Part]:
-        """Of a block."""
+        """Return the convex parts of a block."""
         if k not in self.cut and k not in self.whole:
             self.whole[k] = _own_parts(self.blocks[k])
         return self.cut[k] if k in self.cut else self.whole[k]

@@ -32,12 +32,12 @@ class Side:
 
     @property
     def name(self) -> str:
-        """By the compass."""
+        """Name by the compass."""
         return NAMES[round(4.0 * math.atan2(self.normal[1], self.normal[0]) / math.pi) % 8]
 
     @property
     def depth(self) -> float:
-        """Of its wall [m]."""
+        """Depth of its wall [m]."""
         return self.far - self.place
 
     def moved(self, by: float) -> Side:
@@ -55,7 +55,7 @@ class Plans:
 
     @classmethod
     def between(cls, blocks: Sequence[Block], bottom: float, top: float) -> Plans:
-        """Of the free blocks between two heights [m]."""
+        """Plans of the free blocks between two heights [m]."""
         from structures.geometry.polygons import plan_of
 
         loops, owner = [], []
@@ -117,12 +117,12 @@ def room(plans: Plans, point: np.ndarray, extent: np.ndarray) -> list[Side]:
 
 
 def _overlap(sides: Sequence[Side], corners: np.ndarray) -> bool:
-    """Whether none of some sides has all the corners of a polygon beyond it."""
+    """Return True if none of some sides has all the corners of a polygon beyond it."""
     return all(float((corners @ side.normal).min()) < side.place - AT for side in sides)
 
 
 def _length(side: Side, corners: np.ndarray) -> float:
-    """Of what of a line bounds a polygon [m]."""
+    """Return the length of the share of a line that bounds a polygon [m]."""
     on = corners[np.abs(corners @ side.normal - side.place) < 2.0 * AT]
     return float(np.ptp(on @ [-side.normal[1], side.normal[0]])) if len(on) > 1 else 0.0
 

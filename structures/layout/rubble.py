@@ -102,7 +102,7 @@ def fill(slot: Slot, stones: np.ndarray, beds: Sequence[float], diameters: Seque
 
 
 def _within(place: tuple[float, float, float, bool], radius: float, stones: np.ndarray) -> bool:
-    """Whether a sphere is in the way of stones (S, 4) that are laid later."""
+    """Return True if a sphere is in the way of stones (S, 4) that are laid later."""
     x, _, z, _ = place
     aside = np.maximum(np.maximum(stones[:, 0] - x, x - stones[:, 1]), 0.0)
     below = np.maximum(np.maximum(stones[:, 2] - z, z - stones[:, 3]), 0.0)

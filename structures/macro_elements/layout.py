@@ -42,7 +42,7 @@ class Layout:
 
     @classmethod
     def of(cls, blocks: Sequence[Block]) -> Layout:
-        """Of blocks."""
+        """Layout of blocks."""
         parts = [(*block.name.split("."), "")[:2] for block in blocks]
         low = np.array([block.vertices.min(axis=0) for block in blocks])
         high = np.array([block.vertices.max(axis=0) for block in blocks])
@@ -61,7 +61,7 @@ class Layout:
 
     @property
     def middle(self) -> np.ndarray:
-        """Of the boxes around the blocks, (B, 3) [m]."""
+        """Middle of the boxes around the blocks, (B, 3) [m]."""
         return 0.5 * (self.low + self.high)
 
     @property

@@ -24,7 +24,7 @@ SMALL, LARGE = 2.0, 500.0  # extent of a plan outside of which its unit is doubt
 
 
 class Plan(NamedTuple):
-    """What a file says of a building."""
+    """A building as a file describes it."""
 
     tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
     notes: list[str]  # lines for the user: what was assumed, what is left

@@ -35,7 +35,7 @@ class Wall(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Of the axis [m]."""
+        """Length of the axis [m]."""
         return sum(piece.length for piece in self.pieces)
 
     @property

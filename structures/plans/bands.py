@@ -36,7 +36,7 @@ class Band(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Of the axis [m]."""
+        """Length of the axis [m]."""
         return self.axis.length
 
     def ground(self, share: float = 1.0) -> Any:
@@ -73,7 +73,7 @@ def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[Ban
 
 
 def _taken(band: Band, others: Sequence[Band]) -> bool:
-    """Whether others have much of a band's ground."""
+    """Return True if others have much of a band's ground."""
     own = band.ground()
     x, y, u, v = own.bounds
     share = 0.0
@@ -231,7 +231,7 @@ def _one_of(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Ban
 
 
 def _bridged(gap: Band, ground: Any, openings: Sequence[Any]) -> bool:
-    """Whether wall, or one opening, fills a gap between two bands."""
+    """Return True if wall, or one opening, fills a gap between two bands."""
     strip = gap.ground(0.5)
     if ground is not None and ground.intersection(strip).area >= BRIDGED * strip.area:
         return True

@@ -114,7 +114,7 @@ def _flat(points: Sequence[Sequence[float]]) -> np.ndarray:
 
 
 def _are_places(points: np.ndarray) -> bool:
-    """Whether points are numbers, of a size that places have."""
+    """Return True if points are numbers, of a size that places have."""
     return bool((np.abs(points) < FARTHEST).all())
 
 

@@ -42,7 +42,7 @@ class Edge(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """Of an arc [m]."""
+        """Radius of an arc [m]."""
         return math.dist(self.start, self.centre) if self.centre is not None else math.inf
 
     def points(self) -> np.ndarray:
@@ -103,7 +103,7 @@ def with_arcs(edges: Sequence[Edge]) -> list[Edge]:
 
 
 def _goes_on(arc: Edge, edge: Edge) -> bool:
-    """Whether an edge goes on along the circle of an arc, to less than a whole one."""
+    """Return True if an edge goes on along the circle of an arc, to less than a whole one."""
     if arc.centre is None or edge.centre is None or math.dist(arc.end, edge.start) > SAME:
         return False
     return math.dist(arc.centre, edge.centre) < SAME and arc.sweep * edge.sweep > 0.0 and abs(arc.sweep + edge.sweep) < 1.9 * math.pi
@@ -151,7 +151,7 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> float:
 
 
 class Faces(NamedTuple):
-    """What is drawn of walls."""
+    """Faces of walls as drawn."""
 
     edges: list[Edge]  # of rings
     loose: list[Edge]  # of open lines: pairs of them are walls

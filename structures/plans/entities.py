@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a drawing holds, as values: outlines, paths, texts, inserts, and what is none of these, each with its handle and its layer.
+"""Entities of a drawing, as values: outlines, paths, texts, inserts, and what is none of these, each with its handle and its layer.
 
 A child process reads them from the file (:mod:`structures.plans.dxf_file`), in the order of their fields, by which :func:`entity_of` makes
 them again.

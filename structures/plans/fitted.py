@@ -36,7 +36,7 @@ class Drawn(NamedTuple):
 
     @property
     def attributes(self) -> list[str]:
-        """Of its insert, TAG=value each."""
+        """Attributes of its insert, TAG=value each."""
         return self.text.splitlines()[1:]
 
     def distance(self, line: Any) -> float:
@@ -45,7 +45,7 @@ class Drawn(NamedTuple):
 
 
 def drawn(entities: Sequence[Entity], inserts: bool = True) -> list[Drawn]:
-    """What is drawn: every insert is one thing, every closed path, and every cluster of open ones that touch."""
+    """Group the drawn entities: every insert is one thing, every closed path, and every cluster of open ones that touch."""
     import shapely
 
     found, loose = [], []
@@ -218,7 +218,7 @@ def opening_tables(fitted: Fitted, one: Drawn, texts: Sequence[str], thickness: 
 
 
 def _not_taken(text: str, width: float, table: Mapping[str, Any]) -> list[str]:
-    """What a text says of an opening, other than its table."""
+    """Return the words on an opening that a text has, other than its table."""
     read = marks.read(text)
     numbers = _with_pair(read, width)
     pair = {} if read.pair is None or "sill" not in read.numbers else {"width": read.pair[0]}
@@ -277,7 +277,7 @@ def _with_pair(read: Marks, width: float) -> dict[str, float]:
 
 
 def _near(width: float) -> float:
-    """By how much a width that a text says may differ from the one that is drawn [m]."""
+    """Return the tolerance on a width that a text gives against the one that is drawn [m]."""
     return max(0.06, 0.08 * width)
 
 

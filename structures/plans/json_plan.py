@@ -50,5 +50,5 @@ def _text(value: Any, indent: str) -> str:
 
 
 def _deep(value: Any) -> bool:
-    """Whether a value is a list of objects with keys of their own, other than the pieces of an axis."""
+    """Return True if a value is a list of objects with keys of their own, other than the pieces of an axis."""
     return isinstance(value, (list, tuple)) and any(isinstance(part, Mapping) and "to" not in part for part in value)

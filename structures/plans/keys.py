@@ -51,7 +51,7 @@ class LayersTable(Table):
     """outlines of columns and piers"""
 
     def role(self, layer: str) -> str:
-        """What lies on a layer; empty where none of the names is its."""
+        """Return the role of a layer; empty where none of the names is its."""
         for role in ROLES:
             if any(fnmatch.fnmatchcase(layer.lower(), pattern.lower()) for pattern in getattr(self, role)):
                 return role

@@ -58,7 +58,7 @@ CENTIMETRES, MILLIMETRES = 20.0, 1000.0  # from where on a whole number without 
 
 
 class Marks(NamedTuple):
-    """What a text says [m]."""
+    """Measures in a text [m]."""
 
     numbers: dict[str, float]  # height, sill, thickness, springing, rise, ring, depth, base, width, level
     profile: tuple[float, ...]  # heights at equal stations
@@ -70,12 +70,12 @@ class Marks(NamedTuple):
 
     @property
     def means_nothing(self) -> bool:
-        """Whether there is none of all that, a name apart."""
+        """Return True if there is none of all that, a name apart."""
         return not (self.numbers or self.profile or self.pair or self.shape or self.vault or self.kind)
 
     @property
     def of_opening(self) -> bool:
-        """Whether this can be of an opening only."""
+        """Return True if this can be of an opening only."""
         return bool(self.pair or self.shape or self.kind or {"sill", "ring", "depth"} & set(self.numbers))
 
 

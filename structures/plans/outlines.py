@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a drawing of a plan shows of each wall: its ground, the profile of its top, the outlines of its openings in elevation."""
+"""Outlines of each wall in the drawing of a plan: its ground, the profile of its top, its openings in elevation."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def opening_outline(opening: Mapping[str, Any]) -> np.ndarray:
 
 
 def _head(shape: str, half: float, rise: float | None) -> list[tuple[float, float]]:
-    """What closes an opening, from its right springing to its left one: x from its middle, height over its springings [m]."""
+    """Return the head of an opening, from its right springing to its left one: x from its middle, height over its springings [m]."""
     if shape == "rectangular" or (shape == "niche" and not rise):
         return [(half, 0.0), (-half, 0.0)]
     if shape == "pointed":

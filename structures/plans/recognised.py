@@ -317,7 +317,7 @@ def _point(place: np.ndarray) -> list[float]:
 
 
 def counted(left: Sequence[Left]) -> list[str]:
-    """What is left in a few words by layer and reason, with the first handles."""
+    """Summarise the entities that are left by layer and reason, with the first handles."""
     groups: dict[tuple[str, str, str], list[str]] = {}
     for one in left:
         groups.setdefault((one.layer, one.drawn_as, one.why), []).append(one.handle)

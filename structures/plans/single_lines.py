@@ -31,7 +31,7 @@ AREA = re.compile(r"\d\s*(?:m2|m²|mq|sqm|qm)\b")
 
 
 def signs(edges: Sequence[Edge], walls: Sequence[Wall], texts: Sequence[Entity]) -> tuple[bool, str]:
-    """Whether a drawing is likely in single lines, so much so that its walls are none; and why; empty where no sign is found.
+    """Judge if a drawing is likely in single lines, so much so that its walls are none; and why; empty where no sign is found.
 
     Args:
         edges: on layers of walls [m].

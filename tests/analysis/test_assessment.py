@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of an assessment: what decides, what chance does, which runs are no data."""
+"""Lines on an assessment: which assumption decides, the effect of chance, which runs are no data."""
 
 from __future__ import annotations
 

@@ -169,7 +169,7 @@ def case_velocities(velocities: dict[str, Any] | None, path: Path = Path("scene.
 
 
 def last_position(folder: Path) -> np.ndarray:
-    """Of the blocks at the end of a run (B, 3) [m]."""
+    """Return the position of the blocks at the end of a run (B, 3) [m]."""
     with Results.open(folder / "result.h5") as results:
         return np.array(results.position[-1])
 

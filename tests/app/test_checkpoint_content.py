@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a checkpoint holds is checked before it is used: whatever is changed in it, with a checksum that fits, no process crashes."""
+"""The contents of a checkpoint are checked before use: whatever is changed in it, with a checksum that fits, no process crashes."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def wrong_ones(name: str, array: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def refusals(name: str, out: Path, changed: list[dict[str, np.ndarray]], numbers: dict) -> str:
-    """What is not as it should be when the run of a folder is resumed with changed checkpoints, one after another; "" for nothing."""
+    """Return the faults found when the run of a folder is resumed with changed checkpoints, one after another; "" for nothing."""
     for number, arrays in enumerate(changed):
         checkpoint.save(out / checkpoint.NAME, arrays, numbers)
         checkpoint.before(out / checkpoint.NAME).unlink()
@@ -91,7 +91,7 @@ def refusals(name: str, out: Path, changed: list[dict[str, np.ndarray]], numbers
 
 
 def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable[..., None]]:
-    """What the checkpoint of a run holds, and the check of it."""
+    """Return the contents of the checkpoint of a run, and the check of it."""
     case = prepare(read_scene(asked(name, folder)[1], [SCENES[name][0]]))
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
@@ -116,7 +116,7 @@ def test_every_array_is_checked(stopped):
 
 
 def refused(check: Callable[..., None], arrays: dict[str, np.ndarray], numbers: dict) -> bool:
-    """Whether a check raises an error of one line."""
+    """Return True if a check raises an error of one line."""
     try:
         check(arrays, numbers)
     except InputError as reason:
@@ -251,7 +251,7 @@ def test_a_killed_run_ends_as_the_unbroken_one(tmp_path, monkeypatch, name):
 
 
 def shapes(path: Path) -> dict[str, tuple[int, ...]]:
-    """Of all datasets but the segments, which end where checkpoints were."""
+    """Return the shapes of all datasets but the segments, which end where checkpoints were."""
     found = {}
     with h5py.File(path) as file:
         file.visititems(lambda name, item: found.update({name: getattr(item, "shape", ())}) if "segments" not in name else None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pages tell a reader to type: every command parses, and README, tutorials and how-to pages are followed from top to bottom."""
+"""Commands on the pages: every command parses, and README, tutorials and how-to pages are followed from top to bottom."""
 
 from __future__ import annotations
 

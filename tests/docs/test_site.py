@@ -20,7 +20,7 @@ LARGEST = 150_000  # of a picture of the gallery [bytes]
 
 
 class Warnings(logging.Handler):
-    """What the build warns of."""
+    """Warnings of the build."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)

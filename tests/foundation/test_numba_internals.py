@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the program uses of numba beyond its public interface, name by name: a failure here says what a new version has changed."""
+"""Uses of numba beyond its public interface, name by name: a failure here names what a new version has changed."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a package adds, and a file of the user's: the example package is installed beside the tests, and each of its parts used."""
+"""Additions by a package, and by a file of the user's: the example package is installed next to the tests, and each of its parts used."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ heights = true
 
 
 def install(folder: Path) -> None:
-    """What ``pip install --no-deps`` leaves of a package in a folder: its modules are found in place, its entry points as metadata."""
+    """Install the metadata that ``pip install --no-deps`` leaves of a package in a folder: its modules are found in place."""
     project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     about = folder / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
     about.mkdir()
@@ -77,7 +77,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]
 
 @pytest.fixture(autouse=True)
 def trusting_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a command trusts in this process ends with the test."""
+    """Forget the trust of a command in this process at the end of the test."""
     monkeypatch.setenv(VARIABLE, "")
 
 

@@ -49,7 +49,7 @@ def elsewhere(*arguments: str | Path, folder: Path) -> subprocess.CompletedProce
 
 
 def names_of_one_system(source: str) -> list[str]:
-    """What a source names that not every system has; a name that ``hasattr`` asks for first is a matter of reading, not of this."""
+    """List the names in a source that not every system has; a name that ``hasattr`` asks for first is a matter of reading, not of this."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):

@@ -18,7 +18,7 @@ WEIGHT = 2000.0 * 9.81
 
 
 class StandInMesh:
-    """What is asked of a Mesh of COMPAS."""
+    """Stand-in for a Mesh of COMPAS."""
 
     def __init__(self, shape: tuple[Any, Any]) -> None:
         self.vertices, self.faces = np.array(shape[0]), [list(face) for face in shape[1]]
@@ -28,11 +28,11 @@ class StandInMesh:
         return self.vertices.tolist(), self.faces
 
     def face_center(self, face: int) -> list[float]:
-        """Of a rectangle."""
+        """Return the centre of a rectangle."""
         return list(self.vertices[self.faces[face]].mean(axis=0))
 
     def face_area(self, face: int) -> float:
-        """Of a rectangle."""
+        """Return the area of a rectangle."""
         a, b, c = self.vertices[self.faces[face][:3]]
         return float(np.linalg.norm(np.cross(b - a, c - b)))
 

@@ -32,7 +32,7 @@ def command(*words: object) -> str:
 
 
 def same_bits(one: mc.Run, other: mc.Run) -> bool:
-    """Whether two runs hold the same frames and steps."""
+    """Return True if two runs hold the same frames and steps."""
     with one.results() as a, other.results() as b:
         return (
             all(np.array_equal(a.file[name][...], b.file[name][...]) for name in ("time", "position", "orientation", "velocity"))

@@ -222,7 +222,7 @@ def plots_of(folder_plots: Path, *runs: str) -> StudyPlots:
 
 @pytest.fixture(scope="module")
 def folder_plots(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of a study that kept two runs and lost one."""
+    """Plots of a study that kept two runs and lost one."""
     folder_plots = tmp_path_factory.mktemp("study")
     mc.run(mc.scene(SCENE), folder_plots / "runs" / "low", progress=False)
     shutil.copytree(folder_plots / "runs" / "low", folder_plots / "runs" / "high")

@@ -29,7 +29,7 @@ HISTORIES = ("opening", "sliding", "normal_force", "force_point")
 
 
 def seeds(core: int, most: int) -> list[object]:
-    """Of random damage; those beyond the core are slow."""
+    """Return seeds of random damage; those beyond the core are slow."""
     more = pytest.mark.slow(reason="one of many kinds of damage, each tried in a process")
     return [seed if seed < core else pytest.param(seed, marks=more) for seed in range(most)]
 
@@ -59,14 +59,14 @@ def commands(out: Path, stopped: Path) -> tuple[tuple[object, ...], ...]:
 
 
 def values(results: Results) -> Iterator[np.ndarray]:
-    """What grows, as far as it holds."""
+    """Yield the values that grow, as far as they are held."""
     yield from (results.time, results.position[: results.frames], results.velocity[: results.frames])
     yield from map(results.joint_history, HISTORIES)
     yield from results.energies.values()
 
 
 def holds_what_was_written(damaged: Path, original: Path) -> bool:
-    """Whether results read, in which case they are those that were written: all of them, or the first of them and a word."""
+    """Return True if results read, in which case they are those that were written: all of them, or the first of them and a word."""
     try:
         found = Results.open(damaged)
     except InputError as reason:

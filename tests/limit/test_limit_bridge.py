@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What skew and rings do to the load that a bridge bears, where statics says so without a program."""
+"""Effect of skew and rings on the load that a bridge bears, where statics gives it without a program."""
 
 from __future__ import annotations
 

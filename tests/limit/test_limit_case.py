@@ -253,7 +253,7 @@ def test_what_does_not_stand_is_not_checked(tmp_path):
 
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory):
-    """What is written of a pillar that is checked, with pictures."""
+    """Files on a pillar that is checked, with pictures."""
     folder = tmp_path_factory.mktemp("checked")
     write(limit_case(scene(folder, pillar(), f"title = '<Pillar>'\n[limit]\npush = 'x'\n{CHECK}")), folder / "out")
     return folder / "out"

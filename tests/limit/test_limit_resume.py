@@ -34,7 +34,7 @@ def facts(folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the parts come to where two processes analyse them at a stretch."""
+    """Results of the parts where two processes analyse them at a stretch."""
     folder = tmp_path_factory.mktemp("whole")
     with pytest.MonkeyPatch.context() as two:
         two.setattr("masonry_cd.limit.case.cores", lambda: 2)

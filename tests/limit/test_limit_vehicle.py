@@ -67,7 +67,7 @@ def by_hand(given: Scene) -> float:
         lines["out"].append(pair[1])
 
     def work(wrench: np.ndarray, part: range, about: np.ndarray, rate: float) -> float:
-        """Of forces and moments on blocks that turn about a point, counter-clockwise seen from the front."""
+        """Return the work of forces and moments on blocks that turn about a point, counter-clockwise seen from the front."""
         arm = centre[part][:, [0, 2]] - about
         return rate * float(np.sum(arm[:, 0] * wrench[part, 2] - arm[:, 1] * wrench[part, 0] - wrench[part, 4]))
 

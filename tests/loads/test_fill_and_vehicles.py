@@ -93,7 +93,7 @@ def test_a_slanted_arch_meets_the_fill_at_right_angles_to_its_springings() -> No
 
 
 def pressed(assembly: Assembly, bars: list[Tie], moved: float) -> float:
-    """What the bars of a wall, of which the first is at its face, pull it outwards with once it has moved by so much along y."""
+    """Return the outward pull of the bars of a wall, of which the first is at its face, once it has moved by some length along y."""
     forces, turns = Forces((), tuple(bars)), np.broadcast_to(np.eye(3), (assembly.count, 3, 3))
     position = assembly.centre.copy()
     position[bars[0].blocks[0], 1] += moved

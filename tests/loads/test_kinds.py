@@ -98,7 +98,7 @@ POINT = {"kind": "point", "block": "stone", "force": [1, 0, 0]}
 
 
 def shares(table: dict[str, Any], times: list[float], assembly: Assembly | None = STONE, folder: Path = Path(".")) -> list[float]:
-    """Of the only table whose share is known, at some times."""
+    """Return the share of the only table whose share is known, at some times."""
     (acted,) = loads.build([table], 0.01, 100, G, folder, assembly).acted
     assert acted.where == "loads[0]"
     return [acted.row(time)["share"] for time in times]

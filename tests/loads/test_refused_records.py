@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is wrong with a record file is one line that names the file, and the line of it that is at fault."""
+"""Faults of record files are one line each that names the file, and the line of it that is at fault."""
 
 from __future__ import annotations
 

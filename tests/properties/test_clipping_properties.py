@@ -34,7 +34,7 @@ def prism(name: str, polygon: np.ndarray, low: float, turn: np.ndarray, fixed: b
 
 
 def contacts(lower: np.ndarray, upper: np.ndarray, turn: np.ndarray, elastic: bool) -> ContactSet:
-    """What the detector finds between the top of a prism on one polygon and the bottom of one on the other."""
+    """Return the contacts that the detector finds between the top of a prism on one polygon and the bottom of one on the other."""
     blocks = [prism("lower", lower, -HEIGHT, turn, True), prism("upper", upper, 0.0, turn, False)]
     assembly = Assembly.from_blocks(blocks, Material(friction=0.6, joints={"default": ELASTIC} if elastic else {}))
     state = State.at_rest(assembly)

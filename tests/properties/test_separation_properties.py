@@ -92,7 +92,7 @@ class Passing:
 
     @property
     def width(self) -> float:
-        """Of the smaller part [m]."""
+        """Width of the smaller part [m]."""
         return float(self.assembly.shapes.size.min())
 
     def check(self) -> tuple[bool, bool]:

@@ -194,7 +194,7 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
 
 
 def _loads(library: str) -> bool:
-    """Whether the system has a shared library."""
+    """Return True if the system has a shared library."""
     try:
         ctypes.CDLL(library)
     except OSError:

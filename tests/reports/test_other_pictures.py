@@ -101,7 +101,7 @@ LONG = f'{LINE} · provisional: the run ended at 12.34 s, the base still moving 
 
 
 def ink(facts: str) -> np.ndarray:
-    """Whether a pixel of the head of a sheet with such facts is drawn on."""
+    """Return True for each pixel of the head of a sheet with such facts that is drawn on."""
     sheet = Sheet(layout(1.4))
     sheet.head("A church of which a long title tells", facts)
     return np.asarray((sheet.pixels()[:TITLE] < 200).any(axis=2))

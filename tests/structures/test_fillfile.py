@@ -27,7 +27,7 @@ def back(folder: Path, **keys: Any) -> Made:
 
 
 def forces(made: Made) -> list[tuple]:
-    """What the fill does in a run: the block and the size of each force and bar."""
+    """Return the action of the fill in a run: the block and the size of each force and bar."""
     assembly = Assembly.from_blocks(made.blocks, 0.6)
     (fill,) = made.fills
     own = grid(made, assembly)

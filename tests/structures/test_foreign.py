@@ -123,7 +123,7 @@ def test_an_endless_loop_ends(tmp_path: Path, limit: int, capfd: pytest.CaptureF
 
 
 def sleeps(number: int) -> bool:
-    """Whether a process by that number is the sleep of a test."""
+    """Return True if a process by that number is the sleep of a test."""
     try:
         return b"sleep" in Path(f"/proc/{number}/cmdline").read_bytes()
     except (FileNotFoundError, ProcessLookupError):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a kind says of itself: blocks of another size fill the same outline, other bonds are other blocks, other fills the same."""
+"""Statements of a kind: blocks of another size fill the same outline, other bonds are other blocks, other fills the same."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def built(table: dict[str, Any]) -> tuple[int, float, float]:
 
 
 def volume(corners: np.ndarray) -> float:
-    """Of the convex hull of corners."""
+    """Return the volume of the convex hull of corners."""
     from scipy.spatial import ConvexHull
 
     return float(ConvexHull(corners).volume)

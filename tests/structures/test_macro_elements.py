@@ -22,7 +22,7 @@ CHURCH = {
 
 
 def parts(kind: str, blocks: list[Block]) -> dict[str, MacroElement]:
-    """By name."""
+    """Return the parts by name."""
     found = macro_elements(blocks, KINDS[kind].parts)
     assert len({one.name for one in found}) == len(found)
     fixed = np.array([block.fixed for block in blocks])

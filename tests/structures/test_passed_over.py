@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a file changes geometry is read, refused where it stands, or counted: copies, cuts, hidden layers, extensions."""
+"""Contents of a file that change geometry are read, refused where they stand, or counted: copies, cuts, hidden layers, extensions."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def test_a_mortar_wall_swings_like_a_bonded_one_and_a_dry_one_softer():
 
 
 def at_rest(blocks: list[Block], cohesion: float = 0.0) -> list[JointAtRest]:
-    """What is left of the joints of blocks that have settled."""
+    """Return the joints of blocks that have settled."""
     law = {"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)}
     machine = stepper(blocks, 2, acceleration=gravity(2), joints=law, tolerance=1e-9, solver="auto")
     settle(machine)

@@ -37,7 +37,7 @@ def arch(count: int, ratio: float, radius: float = 10.0, embrace: float = 180.0)
 
 
 def stands(blocks: list[Block], mu: float, seconds: float = 1.5, dt: float = 2e-3) -> bool:
-    """Whether a structure is still where it was built after some seconds under its own weight."""
+    """Return True if a structure is still where it was built after some seconds under its own weight."""
     steps = round(seconds / dt)
     machine = stepper(blocks, steps, friction=mu, dt=dt, **AUTO)
     for _ in range(steps):

@@ -10,7 +10,7 @@ from loads.readers.source import RawRecord, Reader, Request, Source
 
 
 def recognises(source: Source) -> bool:
-    """Whether a file is one, by its content."""
+    """Return True if a file is one, by its content."""
     return bool(source.lines) and source.lines[0].startswith("LAB dt=")
 
 

@@ -23,7 +23,7 @@ class SurgeTable(LoadTable):
 
 
 def surge(table: SurgeTable, grid: RunGrid, where: str) -> Part:
-    """What it adds to a run: the velocity of the base at times (n,), (n, 3) [m/s]."""
+    """Return the velocity of the base that it adds to a run, at times (n,), (n, 3) [m/s]."""
 
     def velocity(times: np.ndarray) -> np.ndarray:
         inside = (times >= 0.0) & (times <= table.length)

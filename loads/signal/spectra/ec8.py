@@ -42,7 +42,7 @@ class Ec8Keys(SiteKeys):
     """Keys of EC8 alone."""
 
     type: Literal[1, 2] | None = None
-    """Of the spectrum, EC8 only; 1 when not given."""
+    """Type of the spectrum, EC8 only; 1 when not given."""
 
 
 def ec8(ag: float, ground: str = "A", type_: int = 1, vertical: bool = False) -> CodeSpectrum:

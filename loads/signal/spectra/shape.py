@@ -53,7 +53,7 @@ def damping_factor(damping: float) -> float:
 
 
 class ElasticSpectrum:
-    """What every elastic response spectrum answers."""
+    """Interface of every elastic response spectrum."""
 
     long: tuple[float, float] | None = None  # T_E, T_F [s]; None where displacements do not come down
 

@@ -65,13 +65,13 @@ class SpectrumTable(BaseModel):
     model_config = strict
 
     path: str | None = None
-    """Of a CSV file, relative to the scene file: a column "period [s]", then "acceleration [g]", or several with dampings, "5 % [g]"."""
+    """Path of a CSV file, relative to the scene file: a column "period [s]", then "acceleration [g]", or several with dampings, "5 % [g]"."""
     period: Annotated[Numbers, Unit("s")] | None = None
     """Or periods, the first of them 0 or more, each longer than the one before."""
     acceleration: Annotated[Columns, Unit("m/s2")] | None = None
     """Ordinates, one for each period; with several dampings a list for each."""
     damping: Annotated[Numbers, Field(max_length=20)] | None = None
-    """Of these ordinates; 0.05 when not given."""
+    """Damping of these ordinates; 0.05 when not given."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -86,11 +86,11 @@ class TableKeys(SiteKeys):
     """Keys of a table alone."""
 
     table: SpectrumTable | None = None
-    """Of ordinates over the period: a path, or period and acceleration."""
+    """Table of ordinates over the period: a path, or period and acceleration."""
 
 
 class Wrong(ValueError):
-    """What is wrong with a table, at which of its periods."""
+    """A fault of a table, at which of its periods."""
 
     def __init__(self, text: str, place: int | None = None) -> None:
         super().__init__(text)
@@ -216,7 +216,7 @@ def read_table(path: Path, label: str, damping: tuple[float, ...] | None = None)
 
 
 def _headings(source: Source, headings: Sequence[str], index: int) -> tuple[list[float], tuple[float, ...]]:
-    """What the unit of each column is in SI, and the dampings that the headings name."""
+    """Return the unit of each column in SI, and the dampings that the headings name."""
     names, units = zip(*map(split_heading, headings), strict=True)
     time = TIME.get((units[0] or "").lower())
     if time is None or len(headings) < 2:

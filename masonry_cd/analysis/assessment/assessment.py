@@ -63,7 +63,7 @@ class Member:
 
     @property
     def missed(self) -> bool:
-        """Whether steps missed the tolerance."""
+        """Return True if steps missed the tolerance."""
         return bool(self.row.number("steps_missed"))
 
     def of(self, answer: Answer) -> float:
@@ -91,7 +91,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Bar:
-    """What an assumption does to an answer."""
+    """The effect of an assumption on an answer."""
 
     low: float
     high: float
@@ -101,7 +101,7 @@ class Bar:
 
     @property
     def length(self) -> float:
-        """Of the bar; 0 without data."""
+        """Length of the bar; 0 without data."""
         return self.high - self.low if np.isfinite(self.high - self.low) else 0.0
 
 
@@ -155,7 +155,7 @@ class Assessment:
         return _quantile(runs, len(values) - 1) * float(values.std(ddof=1))
 
     def bar(self, assumption: Known, answer: Answer) -> Bar:
-        """What an assumption does to an answer."""
+        """Return the effect of an assumption on an answer."""
         reference = self.base if not assumption.reference else self.level(assumption.name, assumption.reference)
         at = np.nan if reference is None else reference.of(answer)
         beside = (assumption.reference, *assumption.coarser)
@@ -200,11 +200,11 @@ class Assessment:
         return [one for one in self.ranked if self.weight(one) > 0.0]
 
     def tested(self, assumption: Known) -> bool:
-        """Whether some level of an assumption is data."""
+        """Return True if some level of an assumption is data."""
         return any(self.bar(assumption, answer).values for answer in self.answers)
 
     def interactions(self, answer: Answer) -> list[tuple[Member, float]]:
-        """Of each pair by how far its answer is from the sum of what its two levels do alone, the farthest first."""
+        """Return each pair with the distance of its answer from the sum of what its two levels do alone, the farthest first."""
         found = []
         for pair in (one for one in self.members if one.kind == PAIR):
             alone = [self.level(name, level) for name, level in pair.values.items()]
@@ -256,7 +256,7 @@ def read_assessment(folder: Path) -> Assessment:
 
 @lru_cache
 def _quantile(runs: int, freedom: int) -> float:
-    """Of the studentised range."""
+    """Return a quantile of the studentised range."""
     from scipy.stats import studentized_range
 
     return float(studentized_range.ppf(CONFIDENCE, runs, freedom))

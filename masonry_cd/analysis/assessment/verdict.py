@@ -53,7 +53,7 @@ def _deciding(found: Assessment) -> list[str]:
 
 
 def on_the_whole(found: Assessment) -> Verdict:
-    """What all runs come to: no grade of one run where an assumption decides, nor where a setting of the computation does."""
+    """Return the verdict on all runs: no grade of one run where an assumption decides, nor where a setting of the computation does."""
     if not found.base.row.done:
         return Verdict("", "", "", UNKNOWN, "no verdict, the base case is no data", _why(found.base))
     others = _deciding(found)
@@ -174,7 +174,7 @@ def _pin_line(found: Assessment, one: Known, place: int) -> str:
 
 
 def _spreads(found: Assessment) -> str:
-    """What chance does to each answer."""
+    """Describe the spread of each answer by chance."""
     return "; ".join(f"{answer.name} {between(answer, *found.chance(answer))}" for answer in found.answers if answer != FACTOR)
 
 

@@ -40,11 +40,11 @@ class CheckTable(SiteSpectrum):
     """The table ``[limit.check]``."""
 
     code: Annotated[str, BeforeValidator(_known), Field(json_schema_extra=_codes)] = "NTC2018"
-    """By which the mechanism is checked: NTC 2018 with its Circolare of 2019, NTC 2008 with that of 2009, or Eurocode 8."""
+    """Code of the check: NTC 2018 with its Circolare of 2019, NTC 2008 with that of 2009, or Eurocode 8."""
     limit_state: Literal["SLD", "SLV", "SLC"] = "SLV"
     """That the motion of the ground belongs to: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
     confidence_factor: Annotated[float, Field(ge=1.0, le=2.0)] = 1.35
-    """By which the capacity is divided; 1.35 where the strength of the masonry plays no part, as here (C8.7.1.2.1.3)."""
+    """Divisor of the capacity; 1.35 where the strength of the masonry plays no part, as here (C8.7.1.2.1.3)."""
     behaviour_factor: Annotated[float, Usual(1.0, 2.0, "codes give local mechanisms and parts 2 at the most"), Field(ge=1.0, le=4.0)] = 2.0
     """q of the linear check at SLV, q_a of Eurocode 8."""
     displacements: bool = True
@@ -52,8 +52,8 @@ class CheckTable(SiteSpectrum):
     record: CheckRecord | None = None
     """In place of a spectrum: path, units, scale and so on, as of a load of kind record."""
     foundation: Annotated[float, Unit("m"), Field(ge=-1e4, le=1e4)] | None = None
-    """Of the building that these blocks are, or are part of: its z, from which the line at which each mechanism is held counts; that of the
-    lowest block when not given. A parapet modelled from z = 0 on a roof 6.4 m up has -6.4."""
+    """z of the foundation of the building that these blocks are, or are part of, from which the line at which each mechanism is held
+    counts; that of the lowest block when not given. A parapet modelled from z = 0 on a roof 6.4 m up has -6.4."""
     height: Annotated[float, Unit("m"), Field(ge=0.0, le=1000.0)] = 0.0
     """In place of foundation: all of these blocks are held at least so high above it, whole and parts."""
     building_height: Height | None = None
@@ -116,7 +116,7 @@ class CheckTable(SiteSpectrum):
 
     @property
     def building(self) -> bool:
-        """Whether the building is known whose motion above the ground is asked for."""
+        """Return True if the building is known whose motion above the ground is asked for."""
         return self.building_height is not None
 
     def at(self, height: float) -> CheckTable:
@@ -125,7 +125,7 @@ class CheckTable(SiteSpectrum):
 
     @property
     def by_displacements(self) -> bool:
-        """Whether a check by displacements is made."""
+        """Return True if a check by displacements is made."""
         return self.displacements and self.limit_state in self.by.by_displacements
 
     @property

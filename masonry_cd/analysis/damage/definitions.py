@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What opened, slid, separated, fallen and lost mean, wherever they are written: text, tables, pictures, page and summary.
+r"""Definitions of opened, slid, separated, fallen and lost, for all outputs: text, tables, pictures, page and summary.
 
 A joint has an opening (the widest gap of its corners), a sliding (of the corners that touch) and a contact area. At any time it
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
+r"""End states: frames in which blocks and base are still, of a run that was not cut off.
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
 its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has

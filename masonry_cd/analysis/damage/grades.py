@@ -57,7 +57,7 @@ DESCRIPTIONS = (
     "Heavy structural, very heavy non-structural damage: serious failure of walls; partial structural failure of roofs and floors.",
     "Very heavy structural damage: total or near total collapse.",
 )
-"""What EMS-98 says of masonry buildings of the grades D0 to D5; it does not define a grade 0."""
+"""Descriptions of the grades D0 to D5 of masonry buildings by EMS-98, which does not define a grade 0."""
 
 
 def _five_rising(value: object) -> object:
@@ -86,7 +86,7 @@ class Grades(BaseModel):
     lost: Five = (INF, INF, 1e-9, 0.05, 0.5)
     """Share of the volume that has fallen."""
     labels: tuple[str, str, str, str, str, str] = LABELS
-    """Of D0 to D5."""
+    """Labels of D0 to D5."""
 
     @field_validator("labels", mode="before")
     @classmethod

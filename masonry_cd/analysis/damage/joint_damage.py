@@ -80,7 +80,7 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
 
 
 def has_bonds(results: Results) -> bool:
-    """Whether joints of the run had cohesion."""
+    """Return True if joints of the run had cohesion."""
     return results.has_joint_history(BONDED)
 
 
@@ -165,12 +165,12 @@ def in_words(table: JointDamage) -> str:
 
 
 def shock_rows(results: Results, thresholds: Thresholds | None = None) -> tuple[Shock, ...]:
-    """What the structure had suffered after each shock of a sequence and its rest, those before included."""
+    """Return the damage after each shock of a sequence and its rest, that of earlier shocks included."""
     return tuple(_shock_row(results, thresholds, i) for i in range(len(results.shocks)))
 
 
 def _shock_row(results: Results, thresholds: Thresholds | None, i: int) -> Shock:
-    """What it had suffered after one of them."""
+    """Return the damage after one shock."""
     shock, table = results.shocks[i], joint_damage(results, thresholds, i)
     return Shock(
         name=shock.name,

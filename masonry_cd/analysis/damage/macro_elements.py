@@ -74,7 +74,7 @@ def _structures(blocks: Sequence[Block]) -> list[str]:
 
 
 def can_be_graded(blocks: Sequence[Block]) -> bool:
-    """Whether no group is called as the whole is."""
+    """Return True if no group is called as the whole is."""
     return WHOLE not in _groups(blocks)
 
 
@@ -108,7 +108,7 @@ def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
 
 @dataclass(frozen=True, eq=False)
 class DamageSnapshot:
-    """What is damaged at one frame: J joints, B blocks."""
+    """Damage at one frame: J joints, B blocks."""
 
     pose: Pose
     opening: np.ndarray  # (J,) largest corner gap [m]

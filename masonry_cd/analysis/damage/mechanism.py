@@ -75,7 +75,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """What happened to a part.
+    """The mechanism found in a part.
 
     Attributes:
         name: one of MECHANISMS.

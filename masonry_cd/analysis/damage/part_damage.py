@@ -54,7 +54,7 @@ FRAMES = 300  # of the history at most; longer runs are thinned out evenly, thei
 
 @dataclass(frozen=True)
 class Settings:
-    """What counts as damage, and from where on it is which grade."""
+    """Thresholds from which on damage counts, and those of the grades."""
 
     thresholds: Thresholds = field(default_factory=Thresholds)
     rules: Rules = field(default_factory=Rules)
@@ -134,7 +134,7 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """What does not change over the frames."""
+    """Quantities that do not change over the frames."""
 
     solids: Solids
     joints: Joints
@@ -196,7 +196,7 @@ class _Watch:
         return [_frame_row(view, snapshot, p, self.profiles[p], how[p]) for p in range(view.parts.count)]
 
     def fits(self, peaks: Mapping[str, np.ndarray]) -> bool:
-        """Whether peaks over all steps are those of these parts and levels."""
+        """Return True if peaks over all steps are those of these parts and levels."""
         return peaks["level_drift"].shape == self._level_drift.shape
 
     def take_shock(self, peaks: Mapping[str, np.ndarray]) -> None:
@@ -238,7 +238,7 @@ class _Watch:
 
 
 def _frame_row(view: _View, snapshot: DamageSnapshot, part: int, profile: Profile, how: Mechanism) -> Row:
-    """What is the case in a part at a frame."""
+    """Return the row of a part at a frame."""
     own, area = view.parts.joints[part], view.joints.area
     live = own & snapshot.live
     apart, standing = live & snapshot.separated, live & ~snapshot.separated

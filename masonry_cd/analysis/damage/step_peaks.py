@@ -33,7 +33,7 @@ def shapes(blocks: Sequence[Block], joints: int) -> dict[str, tuple[int, ...]]:
 
 
 def falls_as_in_runs(thresholds: Thresholds) -> bool:
-    """Whether blocks fall by the thresholds that runs take their peaks with."""
+    """Return True if blocks fall by the thresholds that runs take their peaks with."""
     default = Thresholds()
     return all(getattr(thresholds, name) == getattr(default, name) for name in ("apart", "lost", "drop", "tilt"))
 
@@ -81,7 +81,7 @@ class StepPeaks:
 
 
 def _part_tables(solids: Solids, parts: MacroElements, levels: Levels, support: int) -> PartTables:
-    """What does not change about the parts, for the kernel."""
+    """Return constant data on the parts, for the kernel."""
     owned = [np.flatnonzero(own) for own in parts.blocks.T]
     feet = [np.flatnonzero(own) for own in levels.footing]
     return PartTables(

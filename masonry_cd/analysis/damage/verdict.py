@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a run can be relied on, by what it checked of itself, and the verdict on it.
+"""The reliability of a run, judged by the checks that it made of itself, and the verdict on it.
 
 Each check is ``good``: it does not limit what the results say; ``look``: read what stands beside it; or ``doubtful``: do not rely on the
 run before it is mended. The verdict on the run is that of its worst check. A run that is doubtful has no grade of damage: the verdict
@@ -55,7 +55,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Checks:
-    """What a run checked of itself; nothing is known of a run that left no summary."""
+    """Checks that a run made of itself; all unknown for a run that left no summary."""
 
     findings: tuple[Finding, ...] = ()
 
@@ -89,13 +89,13 @@ class Checks:
         return Summary(verdict=RunVerdict(verdict=self.worst, **self.verdict(whole).as_dict(), checks=checks))
 
     def instead_of_a_grade(self) -> dict[str, str]:
-        """What stands in the row of a part for its grade; nothing where the run can be relied on."""
+        """Return the entries that replace the grade in the row of a part; none where the run can be relied on."""
         found = self.verdict()
         return {} if self.reliable else {"grade": found.grade, "grade_label": found.words, "grade_reason": found.trust}
 
 
 def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = None) -> Checks:
-    """What a run checked of itself, by its numbers.
+    """Return the checks that a run made of itself, from its numbers.
 
     Args:
         summary: of the run, or what its results hold of it; without keys where there is none.
@@ -125,7 +125,7 @@ def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = N
 
 
 def checks_on(results: Results, thresholds: Thresholds, end: EndState) -> Checks:
-    """What the run of a result file checked of itself."""
+    """Return the checks that the run of a result file made of itself."""
     of_results = Summary(collapsed_blocks=len(collapsed_blocks(results, thresholds)), displacement_max=displacement_max(results))
     return checks_of((results.closing or Summary()) | of_results, thresholds, end)
 
@@ -136,7 +136,7 @@ def graded(value: float, bounds: tuple[float, float]) -> str:
 
 
 def _end(summary: Summary, end: EndState | None) -> Finding:
-    """Whether the run came to its end, and the blocks to rest."""
+    """Judge if the run came to its end, and the blocks to rest."""
     stopped = summary.stopped or (end.stopped if end is not None else "")
     provisional = end.provisional if end is not None else summary.provisional
     if stopped:
@@ -145,7 +145,7 @@ def _end(summary: Summary, end: EndState | None) -> Finding:
 
 
 def _forces(summary: Summary) -> Finding:
-    """Whether the contact forces of each step were found."""
+    """Judge if the contact forces of each step were found."""
     solver, steps, closing = summary.solver, summary.steps, summary.closing
     missed, error = solver.steps_missed, solver.error_max
     if closing.steps:
@@ -191,7 +191,7 @@ def tighter(solver: Solver, false: float, wanted: float) -> str:
 
 
 def _energy(summary: Summary, thresholds: Thresholds) -> Finding:
-    """Whether the energy adds up; what lifts a structure that moves by less than an open joint is wide changes no grade."""
+    """Judge if the energy adds up; what lifts a structure that moves by less than an open joint is wide changes no grade."""
     energy = summary.energy
     still = summary.has("displacement_max") and summary.displacement_max <= min(thresholds.opened, thresholds.slid)
     if energy.at_rest:
@@ -238,7 +238,7 @@ def _noted(name: str, lines: Sequence[str], otherwise: str) -> Finding:
 
 
 def _time_step(summary: Summary, remarks: Sequence[str]) -> Finding:
-    """Whether the time step resolves the shaking and the blocks."""
+    """Judge if the time step resolves the shaking and the blocks."""
     adapted = summary.time_step
     if remarks:
         return Finding(TIME_STEP, LOOK, "; ".join(remarks))
@@ -251,7 +251,7 @@ def _time_step(summary: Summary, remarks: Sequence[str]) -> Finding:
 
 
 def _beds(found: Beds) -> Finding:
-    """Whether the points of elastic joints resolve the part of their depth that carries while they are open."""
+    """Judge if the points of elastic joints resolve the part of their depth that carries while they are open."""
     if found.unresolved:
         return Finding(BEDS, LOOK, bed_words(found))
     least = found.share_least

@@ -56,7 +56,7 @@ class Line(NamedTuple):
     s: np.ndarray
 
     def fragility(self, limit: float) -> Lognormal:
-        """Of exceeding a limit."""
+        """Return the fragility of a limit."""
         rising = self.b > 1e-6
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of lines that do not rise, which are left out
             theta = np.where(rising, np.exp((np.log(limit) - self.a) / self.b), np.nan)

@@ -66,7 +66,7 @@ class Fit:
 
     @property
     def fitted(self) -> bool:
-        """Whether the data carry the fit."""
+        """Return True if the data carry the fit."""
         return bool(self.curve.state[0] == fragility.FITTED and np.isfinite(self.curve.theta[0]) and np.isfinite(self.curve.beta[0]))
 
     @property
@@ -171,7 +171,7 @@ def fit_study(study: Study) -> Fits:
 
 
 def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fit:
-    """By counts, at levels or run by run."""
+    """Fit by counts, at levels or run by run."""
     over, logs = sample.over(limit), np.log(sample.intensity)
     levels, exceeded, runs = by_level(sample.intensity, over, np.ones((1, len(over))))
     curve = fit_counts(levels, exceeded, runs)
@@ -181,7 +181,7 @@ def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fi
 
 
 def _clouds(sample: Sample, measure: str) -> tuple[list[Fit], tuple[CloudFit, ...]]:
-    """By regressions, one per quantity and least demand."""
+    """Fit by regressions, one per quantity and least demand."""
     fits, clouds = [], []
     continuous = [limit for limit in sample.study.limit_states if limit.continuous]
     for column, least in dict.fromkeys((limit.column, limit.least) for limit in continuous):
@@ -199,7 +199,7 @@ def _clouds(sample: Sample, measure: str) -> tuple[list[Fit], tuple[CloudFit, ..
 
 
 def _ida(study: Study, measure: str, intensity: np.ndarray) -> Fits:
-    """By the capacities of records."""
+    """Fit by the capacities of records."""
     rows = np.flatnonzero(study.done & np.isfinite(intensity) & (intensity > 0))
     if not len(rows):
         return Fits()
@@ -243,7 +243,7 @@ def _betas(study: Study, z: np.ndarray | None, curve: Lognormal, split: object) 
 
 
 def _warnings(fit: Fit) -> list[str]:
-    """What the data cannot carry."""
+    """List what the data cannot carry."""
     who, out = f"{fit.limit.name} ({fit.method})", []
     state = str(fit.curve.state[0])
     unit = "records" if fit.method == "ida" else "runs"

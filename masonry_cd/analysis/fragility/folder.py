@@ -35,33 +35,33 @@ class StudyFacts(Table):
 
     model_config = ConfigDict(extra="ignore", frozen=True, use_attribute_docstrings=True)
     format: Annotated[int, Field(strict=True, ge=FORMAT, le=FORMAT)] = FORMAT
-    """Of these keys."""
+    """Format of these keys."""
     program: str = ""
     """Version that wrote it."""
     title: str
-    """Of pictures and closing lines."""
+    """Title of pictures and closing lines."""
     design: str
     """Which runs there are."""
     seed: Annotated[int, Field(strict=True, ge=0)]
-    """Of everything that is drawn."""
+    """Seed of everything that is drawn."""
     scene: str
     """Name of its file."""
     measure: str | None
     """Intensity measure; None where there is none."""
     levels: list[float] | None
-    """Of it, where the design has some."""
+    """Levels of the intensity, where the design has some."""
     varied: list[str]
     """Keys of the scene."""
     limit_states: dict[str, LimitTable]
-    """By name."""
+    """Limit states by name."""
     keep: str = "none"
-    """What is kept of each run."""
+    """Files that are kept of each run."""
     plan: str = ""
     """Digest of the runs' names."""
     runs: int | None
     """Planned; None as long as others may follow from them."""
     identity: dict[str, str] = Field(default_factory=dict)
-    """What makes a study this one, by what it is: digests."""
+    """Digests of the contents by which a study is recognised."""
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -135,7 +135,7 @@ class Study:
         return column if isinstance(column, np.ndarray) else np.full(self.count, np.nan)
 
     def is_number(self, name: str) -> bool:
-        """Whether a column is there and one of numbers."""
+        """Return True if a column is there and one of numbers."""
         return isinstance(self.columns.get(name), np.ndarray)
 
     def spread(self, names: Sequence[str]) -> list[str]:
@@ -173,7 +173,7 @@ def read_study(folder: Path) -> Study:
 
 
 def read_facts(folder: Path) -> StudyFacts:
-    """What study.json of a folder holds.
+    """Return the contents of study.json in a folder.
 
     Raises:
         InputError: it is not there, cut off, or not of the format that this version reads; names the key.

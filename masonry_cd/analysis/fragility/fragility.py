@@ -115,7 +115,7 @@ def by_level(intensity: np.ndarray, exceeded: np.ndarray, weights: np.ndarray) -
 
 
 def falls(exceeded: np.ndarray, runs: np.ndarray) -> bool:
-    """Whether the share exceeded (K,) falls from one level to the next by more than two standard deviations of chance."""
+    """Return True if the share exceeded (K,) falls from one level to the next by more than two standard deviations of chance."""
     share = exceeded / runs
     pooled = (exceeded[1:] + exceeded[:-1]) / (runs[1:] + runs[:-1])
     chance = np.sqrt(pooled * (1.0 - pooled) * (1.0 / runs[1:] + 1.0 / runs[:-1]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the runs of a study did to each joint, read from the files that they left; only runs on the joints of the first count."""
+"""Damage of each joint in the runs of a study, read from the files that they left; only runs on the joints of the first count."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KEYS = ("opening", "sliding", "lost", "shape")
 
 @dataclass(frozen=True, eq=False)
 class JointRuns:
-    """What n runs did to the same J joints."""
+    """Damage of the same J joints in n runs."""
 
     rows: np.ndarray  # (n,) of the table
     opening: np.ndarray  # (n, J) float32, largest [m]; inf where the joint was lost

@@ -38,7 +38,7 @@ class LimitTable(Table):
     above: Annotated[Number, BOUND] | None = None
     """Exceeded above this."""
     at_least: str | None = None
-    """Of the quantity "grade": from this one on, "D3"."""
+    """Least value of the quantity "grade", "D3"."""
     least_demand: Annotated[Number, Field(gt=0)] | None = None
     """Smallest value that the regression of a cloud takes in: of runs with less it only knows that they have less."""
 
@@ -93,7 +93,7 @@ class LimitState:
         return values >= self.bound if self.equal else values > self.bound
 
     def exceeded_by(self, row: RunRow) -> bool | None:
-        """Whether a run exceeded it; None of one that is no data, or whose grade is asked for and which is not graded."""
+        """Return True if a run exceeded it; None of one that is no data, or whose grade is asked for and which is not graded."""
         value = row.number(self.column)
         if not row.done or (value is None and self.equal):
             return None
@@ -101,7 +101,7 @@ class LimitState:
 
     @property
     def continuous(self) -> bool:
-        """Whether its quantity is a positive measure with a logarithm, neither a count nor a grade."""
+        """Return True if its quantity is a positive measure with a logarithm, neither a count nor a grade."""
         return self.bound > 0 and self.column not in WHOLE_NUMBERS and not self.column.endswith("grade_number")
 
     def in_words(self) -> str:

@@ -48,7 +48,7 @@ def base(measure: str) -> str:
 
 
 def unit(measure: str) -> str:
-    """Of the column, empty where it is not known."""
+    """Return the unit of the column, empty where it is not known."""
     return UNITS.get(base(measure), "")
 
 
@@ -65,7 +65,7 @@ def with_unit(value: float, measure: str) -> str:
 
 
 def openquake(measure: str) -> Imt | None:
-    """What OpenQuake calls a measure; None where its name and unit there are not known."""
+    """Return the name of a measure in OpenQuake; None where its name and unit there are not known."""
     if base(measure) == "Sa":
         period = re.match(r"Sa\(\s*([^,)]+?)\s*\)", measure)  # of five per cent of damping only
         return Imt(f"SA({period.group(1)})", "g", 1.0 / G) if period else None

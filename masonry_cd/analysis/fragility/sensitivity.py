@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What matters: rank correlations of what varied and of the intensity measures with what the limit states look at.
+"""Sensitivity: rank correlations of what varied and of the intensity measures with the quantities of the limit states.
 
 Spearman's rho is the correlation of the ranks, ties by their mean. Its p-value is the chance of one as large where nothing is related, by
 Student's t with n - 2 degrees of freedom, as if the runs were independent; the band, by the bootstrap over records, does not assume that.

@@ -56,7 +56,7 @@ class Certificate:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What holds at the largest factor."""
+    """The state at the largest factor."""
 
     factor: float
     optimum: Optimum
@@ -106,17 +106,17 @@ class Analysis:
 
     @property
     def stands(self) -> bool:
-        """Whether it bears its dead loads."""
+        """Return True if it bears its dead loads."""
         return self.standing >= 1.0 - STANDS
 
     @property
     def endless(self) -> bool:
-        """Whether no finite factor is known: none with dilation, and a search without it found none."""
+        """Return True if no finite factor is known: none with dilation, and a search without it found none."""
         return self.unlimited and self.least is None
 
     @property
     def bears_nothing(self) -> bool:
-        """Whether the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
+        """Return True if the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
         if self.unlimited:
             return False
         borne = abs(self.associated.factor) * float(np.linalg.norm(self.problem.live))
@@ -124,7 +124,7 @@ class Analysis:
 
     @property
     def governing(self) -> Governing:
-        """What belongs to the least factor found, or else to the associated one."""
+        """The answer that belongs to the least factor found, or else to the associated one."""
         if self.least is not None and self.least_mechanism is not None:
             return Governing(self.least.optimum.factor, self.least.optimum, self.least_mechanism)
         return Governing(self.associated.factor, self.associated.optimum, self.associated.mechanism)
@@ -227,8 +227,8 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
 
 
 def searched_finely(problem: LimitProblem, search: Callable[[LimitProblem], LeastFound | None]) -> tuple[LimitProblem, LeastFound | None]:
-    """What a search finds, and the problem of it: joints that crush cut where the mechanisms found crush, until that changes it by no more
-    than ALIKE."""
+    """Return the findings of a search, and the problem of it: joints that crush cut where the mechanisms found crush, until that changes it
+    by no more than ALIKE."""
     least = search(problem)
     for _ in range(SEARCHES):
         finer = problem

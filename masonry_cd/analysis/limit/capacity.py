@@ -53,7 +53,7 @@ TRIES = 30  # to find where it does
 
 @dataclass(frozen=True)
 class CurveOptions:
-    """What to follow, and how finely."""
+    """Options of a capacity curve: the point to follow, and how finely."""
 
     analysis: Options = field(default_factory=Options)
     steps: int = STEPS
@@ -176,12 +176,12 @@ class _Path:
         )
 
     def _passes(self, last: Stage, found: Stage, used: float) -> bool:
-        """Whether a stage is left at once for one that bears more: contacts that had parted close again."""
+        """Return True if a stage is left at once for one that bears more: contacts that had parted close again."""
         first = len(self.stages) == 1 or len(self.stages) - 1 in self.jumps
         return not first and used <= PASSING * self.width and found.factor > (1.0 + RISES) * last.factor
 
     def displacement(self, stage: Stage) -> float:
-        """Of the control point [m]."""
+        """Return the displacement of the control point [m]."""
         return float((stage.assembly.centre[self.control.block] - self.control.point) @ self.control.direction)
 
     def _next(self, last: Stage, amount: float) -> tuple[Stage | None, float, str]:
@@ -254,7 +254,7 @@ class _Path:
         return min(wanted, BEYOND * (self.options.limit - self.displacement(found)) / gone) if gone > 0.0 else wanted
 
     def _remarks(self) -> tuple[str, ...]:
-        """What was not reached on the way."""
+        """List the ends that were not reached on the way."""
         out = []
         if self.make.unsettled:
             where = f"in {self.make.unsettled} limit analyses on the way"

@@ -43,7 +43,7 @@ BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What a step keeps: N points at which ``rows`` times the shift between the two blocks stays zero, and the lengths of T ties."""
+    """Constraints of a step: N points at which ``rows`` times the shift between the two blocks stays zero, and the lengths of T ties."""
 
     bodies: np.ndarray  # (N, 2)
     local: np.ndarray  # (N, 2, 3) the point in the frame of either block, from its centre of mass
@@ -79,7 +79,7 @@ class Motion:
 
     @cached_property
     def held(self) -> Kept | None:
-        """What a short step can keep: all, or what bears; None where it would lock or overlap, and contacts have to give way."""
+        """Return the constraints that a short step can keep: all, or those that bear; None where contacts have to give way."""
         amount = SHORT * self.size
         for kept in (self.kept, self.bearing):
             end, missed = self._corrected(self.start.along(self.velocity, amount), kept)
@@ -88,7 +88,7 @@ class Motion:
         return None
 
     def _kept_up(self, end: Placement, amount: float, missed: float) -> bool:
-        """Whether a step has met what it keeps, has gone on, and lets no blocks overlap."""
+        """Return True if a step has met what it keeps, has gone on, and lets no blocks overlap."""
         return max(missed, self._overlap(end)) <= MISSED * self.size and self.progress(end) >= LOCKED * amount
 
     def _overlap(self, placement: Placement) -> float:

@@ -38,7 +38,7 @@ IDLE = 1e-7  # cost of a correction, in space of half its square, over mean weig
 
 @dataclass(frozen=True, eq=False)
 class Resistance:
-    """What the R rows of a step's equations are, and what giving way costs there, N gaps, S points that stick and Q that slide."""
+    """Meaning of the R rows of a step's equations, and the work of giving way there, N gaps, S points that stick and Q that slide."""
 
     opens: np.ndarray  # (N,) rows of gaps
     normal: np.ndarray  # (N,) forces there, over the mean weight of a block
@@ -51,7 +51,7 @@ class Resistance:
 
     @classmethod
     def of_points(cls, rows: np.ndarray, force: np.ndarray, mu: np.ndarray, slides: np.ndarray) -> Resistance:
-        """Of points whose ``rows`` (N, 3, 3) are asked for where they are not zero, with forces (N, m) in their frames.
+        """Return the resistance of points whose ``rows`` (N, 3, 3) are used where they are not zero, with forces (N, m) in their frames.
 
         Those that slide, ``slides`` (N,), have the direction of their slip in the second row and none in the third.
         """
@@ -69,7 +69,7 @@ class Resistance:
 
 @dataclass(frozen=True, eq=False)
 class _Programme:
-    """What is asked for of a step of length one."""
+    """The programme of a step of length one."""
 
     matrix: csr_matrix  # (R, D)
     residual: np.ndarray  # (R,)

@@ -148,7 +148,7 @@ def _friction(part: Part, owner: np.ndarray, count: int) -> np.ndarray:
 
 
 def _loads(part: Part, body: np.ndarray, kept: np.ndarray, made: Assembly) -> Loads:
-    """What lasts to collapse, on the bodies."""
+    """Return the loads that last to collapse, on the bodies."""
     old, count, whole = part.assembly, int(body.max()) + 1, part.whole
     moving = np.flatnonzero(body >= 0)
     dead, live = np.zeros((made.count, 6)), np.zeros((made.count, 6))

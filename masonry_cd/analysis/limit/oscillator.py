@@ -71,7 +71,7 @@ class Oscillator:
 
     @property
     def falls(self) -> bool:
-        """Whether the factor is known to vanish at a finite displacement."""
+        """Return True if the factor is known to vanish at a finite displacement."""
         return len(self.displacement) > 0
 
     @property

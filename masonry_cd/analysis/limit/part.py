@@ -53,7 +53,7 @@ class Whole:
 
     @cached_property
     def points(self) -> Interfaces:
-        """Of all joints, in space."""
+        """Return the points of all joints, in space."""
         return interfaces(self.assembly, self.joints, None)
 
     @cached_property
@@ -106,7 +106,7 @@ class Whole:
 
 
 def _covers(block: Block, x: float, y: float) -> bool:
-    """Whether a place in plan [m] lies within the outline of a block, whose box reaches beyond it where the block is askew."""
+    """Return True if a place in plan [m] lies within the outline of a block, whose box reaches beyond it where the block is askew."""
     outline = ConvexHull(block.vertices[:, :2]).equations
     return bool((outline @ (x, y, 1.0) <= WITHIN).all())
 

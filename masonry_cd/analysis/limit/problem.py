@@ -95,7 +95,7 @@ class PointMasses:
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """What acts on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
+    """Loads on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
 
     dead: np.ndarray  # (B, 6)
     live: np.ndarray  # (B, 6), multiplied by the factor
@@ -163,7 +163,7 @@ class LimitProblem:
 
     @property
     def unknowns(self) -> int:
-        """Of the velocities."""
+        """Number of unknown velocities."""
         return len(self.dead)
 
     def bond(self) -> np.ndarray:

@@ -62,7 +62,7 @@ class Cells:
         return np.abs(area), origin * np.abs(area)[:, None] + first * np.sign(area)[:, None]
 
     def beyond(self, normal: np.ndarray, offset: np.ndarray) -> Cells:
-        """What lies where normal . x >= offset, of lines (S, 2) and (S,) in the sections; slivers are left out."""
+        """Return the cells where normal . x >= offset, of lines (S, 2) and (S,) in the sections; slivers are left out."""
         loop = np.repeat(self.owner, np.diff(self.start))
         distance = np.einsum("ld,ld->l", self.corners, normal[loop]) - offset[loop]
         corners, start, rows = clip_loops(self.corners, self.start, distance)

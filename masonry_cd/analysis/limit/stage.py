@@ -152,7 +152,7 @@ class Stages:
         return least if least is not None and (slides or least.factor < associated.factor) else None
 
     def bears(self, moved: Moved) -> bool:
-        """Whether any factor of the load is borne by blocks where they are."""
+        """Return True if any factor of the load is borne by blocks where they are."""
         try:
             largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1])
         except NoFiniteFactor:  # any multiple is

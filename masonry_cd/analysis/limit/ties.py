@@ -33,17 +33,17 @@ class LimitTie:
 
     @property
     def total(self) -> float:
-        """What it pulls [N]."""
+        """Tension of the tie [N]."""
         return float(self.tension.sum())
 
     @cached_property
     def yields(self) -> bool:
-        """Whether a bar of it yields."""
+        """Return True if a bar of it yields."""
         return bool((self.tension >= AT_LIMIT * self.strength).any())
 
     @property
     def words(self) -> str:
-        """What it does at collapse."""
+        """Describe the tie at collapse."""
         return "slack" if self.total == 0.0 else force(self.total) + (", yields" if self.yields else "")
 
     def row(self) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def limit_ties(names: Sequence[str], bars: Bars, pulls: np.ndarray, blocks: Sequ
 
 
 def tie_lines(ties: Sequence[LimitTie], most: int) -> list[str]:
-    """What the ties pull, in words; of more than ``most`` those that pull most."""
+    """Return a line on the pull of each tie; of more than ``most`` those that pull most."""
     first = sorted(ties, key=lambda tie: -tie.total)[:most]
     lines = [f"{_named(tie)}: {tie.words} at collapse" for tie in ties if tie in first]
     return [*lines, f"{len(ties) - most} more ties: see {CSV}"] if len(ties) > most else lines

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rigid joints leave out: the first elastic period of the masonry, by how much it would amplify the motion of the base.
+"""The first elastic period of the masonry, which rigid joints leave out, and how much it would amplify the motion of the base.
 
 Rigid joints pass the acceleration of the ground on as it is. Masonry of a modulus E sways with a first period T_1 before it cracks, and an
 oscillator of that period and 5 % of damping answers with S_a(T_1) where the ground has PGA. The ratio of both says what a run leaves out.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What rigid joints leave out of a run, in words, by its summary with what :mod:`masonry_cd.analysis.modal.elastic_period` found."""
+"""A line on what rigid joints leave out of a run, from its summary with the findings of :mod:`masonry_cd.analysis.modal.elastic_period`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from masonry_cd.io.summary import Summary
 
 
 def left_out_lines(summary: Summary) -> list[str]:
-    """What rigid joints leave out of a run, in a line; none where its summary says nothing of it."""
+    """Return a line on what rigid joints leave out of a run; none where its summary says nothing of it."""
     basis, period, factor = summary.elastic_basis, summary.elastic_period, summary.amplification
     if basis is None:
         return []

@@ -134,7 +134,7 @@ def young_of(blocks: Sequence[Block], young: float | Mapping[str, float]) -> np.
 
 
 def _held(blocks: Sequence[Block], restraint: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """By group of supports, whether x, y and z are held."""
+    """Return for each group of supports which of x, y and z are held."""
     groups = {block.group for block in blocks if block.fixed}
     for group, axes in restraint.items():
         if group not in groups:

@@ -60,7 +60,7 @@ def lengths_in(place: str) -> dict[str, Number]:
 
 
 def values_in(place: str, run: Measured) -> dict[str, Any]:
-    """What a format shows of a run."""
+    """Return the values of a run that a format shows."""
     return {key: number.compute(run) for key, number in numbers_in(place).items()}
 
 

@@ -69,7 +69,7 @@ class Measured:
 
     @cached_property
     def displacement_max(self) -> float:
-        """Of a block, relative to the base, over all steps [m]."""
+        """Largest displacement of a block, relative to the base, over all steps [m]."""
         return displacement_max(self.results)
 
     @cached_property

@@ -95,7 +95,7 @@ class StressPeaks:
 
     @property
     def compared(self) -> bool:
-        """Whether any block has a strength."""
+        """Return True if any block has a strength."""
         return bool(np.isfinite(self.block_strength).any())
 
 

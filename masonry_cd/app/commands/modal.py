@@ -44,7 +44,7 @@ OUTPUTS = files_of("modal")
 
 
 class ModalOptions(BaseModel):
-    """What the command can be asked for."""
+    """Options of the command."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
@@ -57,15 +57,15 @@ class ModalOptions(BaseModel):
     modes: Annotated[int, Field(ge=1, le=500)] = 6
     """Modes to compute; as many more as are measured."""
     mesh_size: Annotated[Positive, Unit("m")] | None = None
-    """Of the tetrahedra; about the thickness of the structure when not given."""
+    """Size of the tetrahedra; about the thickness of the structure when not given."""
     convergence: Annotated[tuple[Positive, ...], Unit("m")] = ()
     """Sizes of tetrahedra to compare."""
     normal_stiffness: Annotated[Positive, Unit("N/m3")] | None = None
-    """Of all joints, instead of E / block length."""
+    """Normal stiffness of all joints, instead of E / block length."""
     tangential_stiffness: Annotated[Positive, Unit("N/m3")] | None = None
-    """Of all joints; k_n / (2 (1 + nu)) when not given."""
+    """Tangential stiffness of all joints; k_n / (2 (1 + nu)) when not given."""
     restraint: dict[str, str] = {}
-    """By group of supports, the directions that they hold; all when not given."""
+    """Directions that supports hold, by group; all when not given."""
     reference: Path | None = None
     """CSV file of measured modes."""
     fit: bool = False
@@ -92,7 +92,7 @@ class ModalOptions(BaseModel):
 
 
 def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | str]:
-    """What the command line gives for one value, ``3e9`` or "3 GPa", or for several groups, ``pier=4e9 default=2e9``.
+    """Parse what the command line gives for one value, ``3e9`` or "3 GPa", or for several groups, ``pier=4e9 default=2e9``.
 
     Raises:
         InputError: several values of which one names no group.
@@ -170,7 +170,7 @@ def modal(
 
 
 def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material | None) -> tuple[ModalOptions, JointStiffness | None]:
-    """What is asked for, with the modulus of the scene's masonry where none is given, and then also the stiffness of its joints.
+    """Return the options, with the modulus of the scene's masonry where none is given, and then also the stiffness of its joints.
 
     Raises:
         InputError: there is no modulus at all.
@@ -233,7 +233,7 @@ def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], ask
 
 
 def _summary(title: str, results: Sequence[Model], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """What modal.json holds."""
+    """Return the contents of modal.json."""
     from masonry_cd import __version__
 
     models = {result.modes.method: _model(result) for result in results}

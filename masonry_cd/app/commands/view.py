@@ -47,5 +47,5 @@ def _page_of(folder: Path) -> Path:
 
 
 def _has_display() -> bool:
-    """Whether a browser has somewhere to open: X11 and Wayland say so in the environment, as a user may with BROWSER."""
+    """Return True if a browser has somewhere to open: X11 and Wayland say so in the environment, as a user may with BROWSER."""
     return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

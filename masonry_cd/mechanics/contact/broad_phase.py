@@ -69,7 +69,7 @@ def sweep_axis(boxes: np.ndarray) -> int:
 
 @borrower()
 def list_holds(listing, shapes, motion, origin):
-    """Whether no part has moved, nor may move within the step, by more than its allowance.
+    """Return True if no part has moved, nor may move within the step, by more than its allowance.
 
     ``origin`` (3,) is the displacement of the supports since the start [m].
     """

@@ -140,7 +140,7 @@ class Detector:
         self._memory.crushed[rows[place >= 0]] += by[place[place >= 0]]
 
     def most_crushed(self) -> np.ndarray:
-        """By how much the joint of each pair is shorter for good where it is most so, (P,) [m]."""
+        """Return the largest permanent shortening of the joint of each pair, (P,) [m]."""
         out, memory = np.zeros(len(self.pairs)), self._memory
         np.maximum.at(out, np.repeat(np.arange(len(out)), memory.point_count), memory.crushed[memory.rows()])
         return out
@@ -162,7 +162,7 @@ class Detector:
         return np.asarray(self._shapes.part_block[self._memory.parts][self._memory.pair_of_contacts()])
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """What the detector remembers, as arrays for a checkpoint."""
+        """Return the memory of the detector, as arrays for a checkpoint."""
         listed = {f"listed_{name}": getattr(self._listing, name) for name in ("position", "rotation")}
         own = listed | {"allowance": self._listing.allowance, "tally": self.tally, "rebuilds": np.array(self.rebuilds)}
         return self._memory.snapshot() | own
@@ -220,14 +220,14 @@ class Detector:
         return Workspace.allocate(self._shapes, int(self._corners.max()), int(more_points(2 * self._facets.max())))
 
     def _crowding(self) -> TooManyPoints:
-        """What is wrong with the faces that have no room for their points; other detections may go on."""
+        """Return the fault of faces that have no space for their points; other detections may continue."""
         faces = self._overlay.crowded.copy()
         self._overlay.crowded[:] = -1
         blocks = self._shapes.part_block[self._shapes.solids.owner_of_face()[faces]]
         return TooManyPoints((int(blocks[0]), int(blocks[1])))
 
     def _unexplained(self) -> UnexplainedOverlap:
-        """What is wrong with the first pair whose overlap no motion explains; other detections may go on."""
+        """Return the fault of the first pair whose overlap no motion explains; other detections may continue."""
         pair, gap, least = min(tuple(work.unexplained) for work in self._work if work.unexplained[0] >= 0.0)
         for work in self._work:
             work.unexplained[0] = -1.0

@@ -109,7 +109,7 @@ class Overlay(NamedTuple):
 
 @borrower()
 def has_facets(facets, faces):
-    """Whether one of the two faces (2,) that a pair touches with has facets."""
+    """Return True if one of the two faces (2,) that a pair touches with has facets."""
     return facets.start[faces[0] + 1] > facets.start[faces[0]] or facets.start[faces[1] + 1] > facets.start[faces[1]]
 
 

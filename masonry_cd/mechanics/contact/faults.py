@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ends contact detection: faults that name two blocks."""
+"""Faults that end contact detection and name two blocks."""
 
 from __future__ import annotations
 

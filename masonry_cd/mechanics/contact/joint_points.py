@@ -72,7 +72,7 @@ WAY, SHARE = _tables()
 
 @borrower()
 def is_spread(spread, rings, light, found, even, manifold):
-    """Whether a joint should have rings, that has them or not (``spread``).
+    """Return True if a joint should have rings, that has them or not (``spread``).
 
     By the ``found`` points of a manifold, its corners and its centroid, the last. Gaps that differ by up to ``even`` [m] are one; ``light``
     is the overlap times area of a joint that carries so little that they do not matter [m3], CRUSHES of one that has rings all the time.
@@ -99,7 +99,7 @@ def _squeezed(found, manifold):
 
 @borrower()
 def _gains_nothing(rings, found, manifold):
-    """Whether the springs of a joint store no more energy once rings are in place of its corners."""
+    """Return True if the springs of a joint store no more energy once rings are in place of its corners."""
     area, height, corners, (part, _) = manifold.area, manifold.height, found - 1, _shares(rings, found, manifold.area)
     middle, gain = height[corners], 0.0
     for i in range(corners):

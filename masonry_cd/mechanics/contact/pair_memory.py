@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is remembered of each pair of parts from one step to the next, so that no work is done twice.
+"""Memory of each pair of parts from one step to the next, so that no work is done twice.
 
     distance    of a pair when it was last searched: apart, it is not looked at before the two can have met
     feature     the face or the edges that separate them, until the pair has moved by REUSE of its width
@@ -113,7 +113,7 @@ class PairMemory(NamedTuple):
         return pair[place >= 0][np.argsort(place[place >= 0])]
 
     def snapshot(self) -> dict[str, np.ndarray]:
-        """What a checkpoint keeps: all but unused rows of points."""
+        """Return the arrays for a checkpoint: all but unused rows of points."""
         used = self.rows()
         return {name: getattr(self, name) for name in ("parts", *OF_PAIRS)} | {name: getattr(self, name)[used] for name in OF_POINTS}
 
@@ -160,7 +160,7 @@ def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes:
 
 
 def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -> bool:
-    """Whether the faces and edges (P, 3) that separate pairs are those of their parts."""
+    """Return True if the faces and edges (P, 3) that separate pairs are those of their parts."""
     kind, known = feature[:, 0], True
     for which, column, side, starts in (
         (FACE_OF_A, 1, 0, solids.face_start),
@@ -179,7 +179,7 @@ OF_POINTS = ("local", "height", "area", "crushed", "place")
 
 @borrower()
 def is_stuck(memory, k, now, affine, radius, width):
-    """Whether the points of pair k can be kept; ``now`` (12,) is its pose, ``radius`` that of b and ``width`` of the smaller part [m].
+    """Return True if the points of pair k can be kept; its pose ``now`` (12,), ``radius`` of b and ``width`` of the smaller part [m].
 
     ``affine``: two zeros where poses hold strains, else one.
     """
@@ -210,7 +210,7 @@ def update_gaps(memory, k, now, affine):
 
 @borrower()
 def let_go(memory, k):
-    """What pair k keeps of its points as it comes apart: nothing, or those that may be crushed, far from one another."""
+    """Reduce the points of pair k as it comes apart: to none, or to those that may be crushed, far from one another."""
     if memory.light[k] >= 0.0:
         memory.point_count[k], memory.spread[k] = 0, False
     for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):

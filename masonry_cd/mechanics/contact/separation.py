@@ -135,7 +135,7 @@ def _edges_of(p, solids):
 
 @borrower()
 def edges_separate(feature, solids, own, other):
-    """Whether the axis across the two edges of a ``feature`` (3,) separates the pair as it is placed."""
+    """Return True if the axis across the two edges of a ``feature`` (3,) separates the pair as it is placed."""
     i, j = feature[1], feature[2]
     return edge_axis((i, i + 1), (j, j + 1), solids, own, other)[0] >= 0.0
 

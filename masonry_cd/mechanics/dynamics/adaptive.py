@@ -102,7 +102,7 @@ class AdaptiveSteps:
         self.drift = self.drift + base_drift(stepper.system.loads, stepper.settings.dt, stepper.load_step - span, span)
 
     def _allows(self, span: int) -> bool:
-        """Whether loads and motion let the next step have a length, see ``local_error.py``."""
+        """Return True if loads and motion let the next step have a length, see ``local_error.py``."""
         stepper = self.stepper
         system, k, tick = stepper.system, stepper.load_step, stepper.settings.dt
         if k + span >= len(system.loads.acceleration):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is constant in a run, as the kernels of the step read it."""
+"""Constants of a run, as the kernels of the step read them."""
 
 from __future__ import annotations
 

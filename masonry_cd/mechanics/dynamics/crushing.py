@@ -79,7 +79,7 @@ def _softened(made: StepProblem, most: np.ndarray, crushes: np.ndarray, shift: n
 
 
 def book_crushing(system: System, made: StepProblem, v: np.ndarray, impulse: np.ndarray, work: SpringWork) -> SpringWork:
-    """What the springs did in a step, crushing included; ``work`` is what they did had nothing been crushed.
+    """Account for the springs in a step, crushing included; ``work`` is theirs had nothing been crushed.
 
     Velocities (F, n) at the end of the step, its impulses (C, m) [N s].
     """

@@ -38,7 +38,7 @@ class Rows(NamedTuple):
 
 
 class Driven(NamedTuple):
-    """What the guides of a run did in a step, G of them."""
+    """Motion and forces of the guides of a run in a step, G of them."""
 
     force: np.ndarray  # (G,) along their directions, mean over the step [N]
     moment: np.ndarray  # (G,) by which they hold from turning, size of the sum over their blocks [N m]
@@ -114,7 +114,7 @@ def impulses(rows: Rows, v: np.ndarray) -> np.ndarray:
 
 
 def work_of_guides(driven: tuple[Rows, ...], before: np.ndarray, after: np.ndarray) -> float:
-    """What guides put in over a step with velocities (F, n) at its beginning and its end [J]."""
+    """Return the work of guides over a step with velocities (F, n) at its beginning and its end [J]."""
     if not driven:
         return 0.0
     mean = 0.5 * (before + after)
@@ -122,7 +122,7 @@ def work_of_guides(driven: tuple[Rows, ...], before: np.ndarray, after: np.ndarr
 
 
 def measured(system: System, guides: tuple[Guide, ...], driven: tuple[Rows, ...], v: np.ndarray, state: State) -> Driven:
-    """What guides did in a step that ended with velocities (F, n) in a state."""
+    """Return motion and forces of guides in a step that ended with velocities (F, n) in a state."""
     h, count = system.constants.step, len(guides)
     force, moments = np.zeros(count), np.zeros((count, 3))
     for rows in driven:

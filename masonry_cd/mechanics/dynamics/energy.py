@@ -85,7 +85,7 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
 
 
 class Weights(NamedTuple):
-    """What a body acceleration works on: B blocks that have moved, lifted out of overlaps or not."""
+    """Weights on which a body acceleration works: B blocks that have moved, lifted out of overlaps or not."""
 
     mass: np.ndarray  # (B,) [kg]; 0: a support
     acceleration: np.ndarray  # (3,) [m/s2]
@@ -98,7 +98,7 @@ class Weights(NamedTuple):
 def works(
     rows: ContactRows, elastic: np.ndarray, impulse: np.ndarray, before: Velocities, after: Velocities, weights: Weights
 ) -> tuple[float, float, float, float, float]:
-    """What rigid contacts lost in friction and in impacts, the work of the supports, of the weights, and of these in lifting [J].
+    """Return the losses of rigid contacts in friction and impacts, the work of the supports, of the weights, and of these in lifting [J].
 
     elastic (C,) bool: springs, whose losses are not counted here, (0,) if there are none; impulses (C, m) [N s]; velocities at the
     beginning and the end of the step.

@@ -7,7 +7,7 @@ WORKS = {
     "force_work": "work of point loads and ties",
     "change_work": "put in by changes of the model",
 }
-"""What is put in."""
+"""Terms of the work that is put in."""
 LOSSES = {
     "kinetic": "kinetic",
     "elastic": "stored elastically",

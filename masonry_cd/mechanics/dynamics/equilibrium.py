@@ -35,7 +35,7 @@ SUNK = 0.1  # share of the width of the thinnest block that no block sinks by wh
 
 
 def settles(assembly: Assembly) -> bool:
-    """Whether anything of an assembly is elastic, and so can take up the weight."""
+    """Return True if anything of an assembly is elastic, and so can take up the weight."""
     return assembly.deformation is not None or bool(assembly.laws.elastic.any())
 
 

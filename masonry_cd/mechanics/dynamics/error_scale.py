@@ -49,7 +49,7 @@ class Overload:
     speed: float  # h a [m/s]
 
     def share(self, problem: FrictionProblem, tolerance: float) -> float:
-        """What errors are to be divided by, over |q|; 1 at most. A problem of impacts has blocks that other contacts hold already."""
+        """Return the divisor of errors, over |q|; 1 at most. A problem of impacts has blocks that other contacts hold already."""
         _, gained = self.system.speeds(problem.v_free - self.v)
         blocks = self.blocks & (gained > OVERLOADED * self.speed)
         on = (blocks[problem.bodies] & (problem.bodies >= 0)).any(axis=1)

@@ -118,7 +118,7 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
 
 
 def _along_warps(system: System, strains: Strains, free: Prediction, acting: Acting) -> np.ndarray:
-    """What the forces on single blocks do along their warps, (B, r) [N]."""
+    """Return the work of forces on single blocks along their warps, (B, r) [N]."""
     position, warps = free.state.position, strains.warps
     if warps is None:
         return np.zeros((len(position), 0))

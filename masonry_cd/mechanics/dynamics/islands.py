@@ -224,7 +224,7 @@ def compile_kernels() -> None:
 def _measure(
     problem: FrictionProblem, impulse: np.ndarray, tolerance: float, group: np.ndarray, groups: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What impulses leave in each group, what they may leave, and its size, see the head of this file; (G,) each."""
+    """Return the violation left by impulses in each group, the one allowed, and the group's size, see the head of this file; (G,) each."""
     residual, size = errors_by_group(problem.arrays(), np.ascontiguousarray(impulse), group, groups)
     share = np.bincount(group, minlength=groups) / max(problem.contacts, 1)
     return residual, tolerance * np.sqrt(0.5 * (size**2 + np.sum(size**2) * share)), size

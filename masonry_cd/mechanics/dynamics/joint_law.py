@@ -73,7 +73,7 @@ class JointLawArrays(NamedTuple):
 
 
 class JointMemory(NamedTuple):
-    """What the joints hand from step to step, by contact of the last set; one entry at least."""
+    """Memory of the joints from step to step, by contact of the last set; one entry at least."""
 
     slip: np.ndarray  # (K, 3) elastic slip in the frame of the antagonist [m]
     bonded: np.ndarray  # (K,) bool: intact
@@ -362,7 +362,7 @@ def unload_springs(
 
 @borrower()
 def _holds(impulse, bond, strength, opens):
-    """Whether a bonded contact neither parts nor passes its tensile strength [N s] under a normal impulse."""
+    """Return True if a bonded contact neither parts nor passes its tensile strength [N s] under a normal impulse."""
     parts = opens and impulse + bond <= AT_LIMIT * bond
     return not (parts or -impulse > (1.0 + AT_LIMIT) * strength)
 

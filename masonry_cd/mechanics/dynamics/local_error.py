@@ -39,7 +39,7 @@ class Change(NamedTuple):
 
     @classmethod
     def over(cls, system: System, before: Motion, after: Motion) -> Change:
-        """Of a step between two motions."""
+        """Return the change over a step between two motions."""
         h = system.constants.step
         rate = (after.state.velocity - before.state.velocity) / h
         base = rate[system.support, :3] if system.support >= 0 else np.zeros(3)

@@ -64,7 +64,7 @@ __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
 
 class StepReport(NamedTuple):
-    """What one step cost and how well it was solved."""
+    """Cost and accuracy of a step."""
 
     iterations: int
     error: float  # natural map error of the impulses, on the scale of error_scale.py
@@ -83,7 +83,7 @@ class StepReport(NamedTuple):
 
 
 class StepStart(NamedTuple):
-    """What a step changes, as it was before."""
+    """State of a step at its beginning, as it was before."""
 
     motion: Motion
     load_step: int
@@ -189,7 +189,7 @@ class Stepper:
             self.motion = self.motion._replace(impulse=share * self.motion.impulse, span=ticks)
 
     def begin_of_step(self) -> StepStart:
-        """What a step changes, kept so that it can be undone by :meth:`undo`; what the solver learns in it stays."""
+        """Keep the state that a step changes, so that it can be undone by :meth:`undo`; what the solver learns in it stays."""
         return StepStart(self.motion, self.load_step, self.detector.copied(), self.last, self.solution)
 
     def undo(self, start: StepStart) -> None:
@@ -218,7 +218,7 @@ class Stepper:
         return made if self.friction is None else with_friction(self.system, self.motion, made, self.friction)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, violation: Violation, begin: float) -> StepReport:
-        """What the step cost that began at a reading of the clock."""
+        """Return the cost of a step that began at a reading of the clock."""
         met = solved.error <= self.settings.tolerance
         closing = None if met else still_closing(self.system, made, self.motion.v)
         return StepReport(
@@ -314,7 +314,7 @@ class Stepper:
         return joint_forces.joint_forces(self.system, self.last, self.solution.impulse, pair_joint, joints)
 
     def driven(self) -> Driven:
-        """What the guides of blocks did in the last step: forces, and how far they have gone."""
+        """Motion of the guides of blocks in the last step: forces, and how far they have gone."""
         rows = () if self.last is None else self.last.predicted.driven
         return measured(self.system, self.system.loads.guides, rows, self.motion.v, self.state)
 
@@ -326,7 +326,7 @@ class Stepper:
         return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
 
     def joint_histories(self, pair_joint: np.ndarray, joints: Joints) -> dict[str, np.ndarray]:
-        """What a run records of the laws that some joint has, (J,) each by its name; ``pair_joint`` names the joint of each pair or -1."""
+        """Return the records of the laws that some joint has, (J,) each by its name; ``pair_joint`` names the joint of each pair or -1."""
         measures = {"bonded": self.joint_bonds, "crushed": lambda *of: largest_by_joint(self.detector.most_crushed(), *of)}
         return {history.name: measures[history.name](pair_joint, joints) for history in histories(self.assembly.laws)}
 

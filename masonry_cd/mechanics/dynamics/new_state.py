@@ -43,7 +43,7 @@ class Update(NamedTuple):
 
 
 class EndOfStep(NamedTuple):
-    """What the kernel carries from q_m to the end of the step, for B blocks, and the impulses that it hands on."""
+    """Data that the kernel carries from q_m to the end of the step, for B blocks, and the impulses that it hands on."""
 
     position: np.ndarray  # (B, 3) [m]
     orientation: np.ndarray  # (B, 4)

@@ -67,7 +67,7 @@ class Pauses:
 
     @property
     def any_shocks(self) -> bool:
-        """Whether there are shocks to report on; a run that only goes on until its blocks are still has none."""
+        """Return True if there are shocks to report on; a run that only goes on until its blocks are still has none."""
         return bool(self._shocks)
 
     def next_step(self, load_step: int, state: State, made: int = 1, earlier: np.ndarray | None = None) -> int:
@@ -95,13 +95,13 @@ class Pauses:
         return float(speed[standing].max(initial=0.0))
 
     def _speeds(self, velocity: np.ndarray) -> np.ndarray:
-        """Of the fastest point of each block with velocities (B, 6), (B,) [m/s]."""
+        """Return the speed of the fastest point of each block with velocities (B, 6), (B,) [m/s]."""
         return np.asarray(np.linalg.norm(velocity[:, :3], axis=1) + np.linalg.norm(velocity[:, 3:], axis=1) * self._reach)
 
 
 @dataclass(frozen=True)
 class Standing:
-    """What tells of B blocks that they have fallen."""
+    """Signs by which B blocks are known to have fallen."""
 
     height: np.ndarray  # (B,) of which a drop is a share [m]
     rolls: np.ndarray  # (B,) spheres

@@ -57,7 +57,7 @@ def find_plane(
 
 
 def _moves_in_plane(assembly: Assembly, state: State, axis: int) -> bool:
-    """Whether a state keeps to the plane: no velocity across it, no shift along its normal, rotations about its normal only."""
+    """Return True if a state keeps to the plane: no velocity across it, no shift along its normal, rotations about its normal only."""
     across = [axis, *(3 + d for d in range(3) if d != axis)]
     turned = [1 + d for d in range(3) if d != axis]
     shifted = state.position[:, axis] != assembly.centre[:, axis]

@@ -33,7 +33,7 @@ class FirstVelocities(Table):
     size: Annotated[Number, Unit("m/s"), Field(gt=0, le=1)]
     """Largest in each direction; in a scene that moves in its plane, in the two of that plane."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
-    """Of the draw."""
+    """Seed of the draw."""
 
 
 class Run(Table):
@@ -54,9 +54,9 @@ class Run(Table):
     longest: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
     """When such a run ends in any case; twice the duration plus 5 s when not given."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
-    """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
+    """Parameter of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
     solver: SolverName = "auto"
-    """Of the friction problem of each step."""
+    """Solver of the friction problem of each step."""
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
     """Natural map error that each step has to reach."""
     accept: Annotated[Number, Field(gt=0, lt=1)] | None = None
@@ -64,7 +64,7 @@ class Run(Table):
     max_iterations: Annotated[Count, Field(ge=1, le=MOST_ITERATIONS)] | None = None
     """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
-    """Of the order in which contacts are swept."""
+    """Seed of the order in which contacts are swept."""
     threads: Annotated[Count, Field(ge=1, le=10_000)] | None = None
     """Cores to use; as many as pay for the size of the scene when not given. It changes no bit."""
     frames_per_second: Annotated[Number, Unit("1/s"), Field(gt=0)] = 50.0
@@ -127,7 +127,7 @@ class Run(Table):
 
     @property
     def timed(self) -> bool:
-        """Whether the duration is known: a scene may leave it to its loads."""
+        """Return True if the duration is known: a scene may leave it to its loads."""
         return self.duration != UNTIL_LOADS_END
 
     def lasting(self, duration: float) -> Run:
@@ -150,7 +150,7 @@ class Run(Table):
 
     @property
     def adaptive(self) -> bool:
-        """Whether the time step adapts."""
+        """Return True if the time step adapts."""
         return self.dt_max is not None
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a checkpoint keeps of a run: the motion of the last step, and the memories of detector and solver by their prefixes."""
+"""Contents of a checkpoint: the motion of the last step, and the memories of detector and solver by their prefixes."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
 def motion_at_start(system: System, state: State) -> Motion:
-    """What the first step begins with: no impulses, and the momenta and tensions of a state."""
+    """Return the motion before the first step: no impulses, and the momenta and tensions of a state."""
     if system.strains is not None:
         state = replace(state, strain=system.strains.with_room(state.strain))
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces

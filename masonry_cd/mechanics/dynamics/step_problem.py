@@ -70,7 +70,7 @@ class Solved(NamedTuple):
 
 
 class SpringWork(NamedTuple):
-    """What the springs of a step did [J]."""
+    """Work of the springs in a step [J]."""
 
     taken: float = 0.0  # by elastic contacts from the blocks
     friction: float = 0.0  # of that used up by friction

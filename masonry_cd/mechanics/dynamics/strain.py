@@ -70,7 +70,7 @@ class StrainWork(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Strains:
-    """What is constant of the strains in steps of one length."""
+    """Constants of the strains in steps of one length."""
 
     deformation: Deformation
     arrays: StrainArrays
@@ -120,7 +120,7 @@ class Strains:
         return replace(self, step=step, inverse=inverses(implicit, self._size()))
 
     def _size(self) -> tuple[int, ...] | np.ndarray:
-        """What has the number of unknowns S for its length: an array for meshed blocks, so that all meshes share one kernel."""
+        """An object whose length is the number of unknowns S: an array for meshed blocks, so that all meshes share one kernel."""
         return size_tuple(len(self.columns)) if self.warps is None else np.empty(len(self.columns))
 
     def with_room(self, strain: np.ndarray) -> np.ndarray:
@@ -136,7 +136,7 @@ class Strains:
         out[self.free, -len(self.columns) :] = values
 
     def forces(self, virial: np.ndarray, warped: np.ndarray, rotation: np.ndarray, maps: np.ndarray) -> np.ndarray:
-        """What forces do along the strains, (D, S) [N m]: of sums of force (x) arm (B, 3, 3), with rotations and maps (B, 3, 3).
+        """Return the forces along the strains, (D, S) [N m]: of sums of force (x) arm (B, 3, 3), with rotations and maps (B, 3, 3).
 
         ``warped`` (B, r) is what they do along the warps [N].
         """
@@ -205,7 +205,7 @@ class Strains:
         return np.asarray(np.einsum("dik,dkl,djl->dij", turn, own, turn))
 
     def _mean(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-        """What the force of a step takes of a quantity."""
+        """Return the mean of a quantity that the force of a step takes."""
         theta = self.deformation.theta
         return np.asarray(theta * after + (1.0 - theta) * before)
 

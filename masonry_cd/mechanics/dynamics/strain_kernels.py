@@ -12,7 +12,7 @@ from masonry_cd.mechanics.linalg.small_blocks import dot
 
 
 class StrainLaw(NamedTuple):
-    """What is constant of the D blocks that deform, with S unknowns each: s strains, and the warps behind them."""
+    """Constants of the D blocks that deform, with S unknowns each: s strains, and the warps behind them."""
 
     block: np.ndarray  # (D,) among all blocks
     free: np.ndarray  # (D,) among the free ones

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the phases of a step share: what is constant in a run, the loads of one step, and what one step hands to the next."""
+"""Data that the phases of a step share: constants of a run, the loads of one step, and the memory from one step to the next."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class StepLoads(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """What acts in a run, sampled at N + 1 times a tick apart: the time step, or the shortest where it adapts."""
+    """Loads of a run, sampled at N + 1 times a tick apart: the time step, or the shortest where it adapts."""
 
     support_velocity: np.ndarray  # (N + 1, S, 3) of support motion s at t_k, k ticks [m/s]; (N + 1, S, 6) with [rad/s] where one turns
     acceleration: np.ndarray  # (N + 1, 3) body acceleration at t_k, gravity included [m/s2]
@@ -62,7 +62,7 @@ class Loads:
 
     @property
     def guides(self) -> tuple[Guide, ...]:
-        """Of blocks whose motion is given in part."""
+        """Guides of blocks whose motion is given in part."""
         return () if self.forces is None else self.forces.guides
 
     def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
@@ -74,7 +74,7 @@ class Loads:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """What is constant in a run. Build it with :meth:`of`."""
+    """Constants of a run. Build it with :meth:`of`."""
 
     assembly: Assembly
     settings: Run
@@ -145,7 +145,7 @@ class System:
 
     @property
     def unknowns(self) -> int:
-        """Of a free block, n: those of its motion as a rigid one, then its strain rates."""
+        """Number of unknowns of a free block, n: those of its motion as a rigid one, then its strain rates."""
         return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
 
     @property
@@ -225,7 +225,7 @@ class EnergyBalance(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What one step hands to the next, beside what the detector and the solver remember."""
+    """Motion handed from one step to the next, apart from the memories of detector and solver."""
 
     state: State
     angular_momentum: np.ndarray  # (B, 3) of the free blocks [kg m2/s]

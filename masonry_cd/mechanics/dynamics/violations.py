@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What a step leaves of the contact laws in m/s, and the slip and the opening that come of it.
+r"""Violations of the contact laws after a step in m/s, and the slip and the opening that come of them.
 
 The natural map error is one number, a share of |q|. Where a light block takes a large force that norm is huge, and what is small beside it
 need not be small beside the motion. So each step is measured in m/s as well, contact by contact, with the normal and the tangential
@@ -34,7 +34,7 @@ UNBONDED = np.zeros(0)
 
 
 class Violation(NamedTuple):
-    """What a step leaves of the contact laws."""
+    """Violation of the contact laws after a step."""
 
     speed: float = 0.0  # largest violation of a contact [m/s]
     slip: float = 0.0  # largest false slip of a contact so far [m]
@@ -54,7 +54,7 @@ class FalseSlip(NamedTuple):
 def find_violations(
     system: System, made: StepProblem, impulse: np.ndarray, v: np.ndarray, before: np.ndarray
 ) -> tuple[Violation, np.ndarray]:
-    """What a step leaves of the contact laws, and the false slip of all its contacts (N, m - 1), one row at least [m].
+    """Return the violation of the contact laws after a step, and the false slip of all its contacts (N, m - 1), one row at least [m].
 
     Args:
         system: of the run.

@@ -100,7 +100,7 @@ class Warps:
         return touch
 
     def forces(self, acting: tuple[np.ndarray, np.ndarray], touch: Touch, rotation: np.ndarray) -> np.ndarray:
-        """What forces do along the warps of all blocks, (B, r) [N]: blocks (N,) and forces (N, 3) in the world, rotations (B, 3, 3).
+        """Return the forces along the warps of all blocks, (B, r) [N]: blocks (N,) and forces (N, 3) in the world, rotations (B, 3, 3).
 
         One that acts inside a block pulls at the nearest place of its surface, ``touch``.
         """

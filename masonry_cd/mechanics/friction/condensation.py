@@ -45,7 +45,7 @@ class Condensed(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """What the kernel fills."""
+    """Arrays that the kernel fills."""
 
     jacobian: np.ndarray  # (C, 2, m, r) L
     offset: np.ndarray  # (C, m) b, to which H v_free is added

@@ -55,7 +55,7 @@ def in_places(coupling, order):
 
 @borrower(forceinline=True)
 def is_coupled(problem):
-    """Whether the problem is given by W alone."""
+    """Return True if the problem is given by W alone."""
     return len(problem.coupling.indptr) > 0
 
 

@@ -150,7 +150,7 @@ def unit_delassus_trace(problem, c, a, b):
 
 @borrower(forceinline=True)
 def has_unit_masses(problem):
-    """Whether bodies have unit masses, and ``width`` says how many unknowns; known to be false where blocks are not wide."""
+    """Return True if bodies have unit masses, and ``width`` says how many unknowns; known to be false where blocks are not wide."""
     return is_wide(problem.n) and len(problem.width) > 0
 
 

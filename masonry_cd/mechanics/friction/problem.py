@@ -271,7 +271,7 @@ Problem = FrictionProblem | LocalProblem
 
 @dataclass(eq=False)
 class Solution:
-    """What a solver returns. What its reason says of convergence is for readers: its impulses are judged by :func:`natural_map_error`."""
+    """Result of a solver. Its reason on convergence is for readers: its impulses are judged by :func:`natural_map_error`."""
 
     impulse: np.ndarray  # (C, m) p [N s]
     velocity: np.ndarray | None  # (B, n) v; None: that of the impulse

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solver remembers from one step to the next: factors, what it learnt about its parameters, and what is a solver's own.
+"""Memory of a solver from one step to the next: factors, learnt parameters, and data of the solver's own.
 
 A state is not changed: a solver returns a new one, but for the numbers of the factors, which the next step overwrites. A checkpoint holds
 each of its arrays and numbers by its name.
@@ -38,7 +38,7 @@ class Factors:
 
 @dataclass(frozen=True, slots=True)
 class Learnt:
-    """What is learnt from step to step; it outlives a change of the contacts."""
+    """Parameters learnt from step to step; they outlive a change of the contacts."""
 
     k: float = 1e4  # of ADMM, that did best; see admm.py for the first
     stale: bool = True  # whether the next step is to factorise anew
@@ -59,7 +59,7 @@ class SolverState:
     own: Mapping[str, np.ndarray] = field(default_factory=dict)  # arrays of a solver from elsewhere
 
     def that_outlives(self) -> SolverState:
-        """What is left where the group has other blocks."""
+        """Return the memory that remains where the group has other blocks."""
         return SolverState(learnt=replace(self.learnt, stale=True))
 
     def with_learnt(self, learnt: Learnt) -> SolverState:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What numba's Python lacks: atomic access to an array that threads share, and a hint to fetch memory ahead."""
+"""Additions to numba's Python: atomic access to an array that threads share, and a hint to fetch memory ahead."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def yield_processor(typing: Any) -> tuple[Any, Any]:
 
 @intrinsic
 def is_tuple(typing: Any, size: Any) -> tuple[Any, Any]:
-    """Whether a value is a tuple, which the compiler knows, and leaves out what is for the other case."""
+    """Return True if a value is a tuple, which the compiler knows, and leaves out what is for the other case."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return context.get_constant(types.boolean, isinstance(signature.args[0], types.BaseTuple))

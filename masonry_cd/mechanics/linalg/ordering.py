@@ -54,7 +54,7 @@ class Pattern:
 
     @property
     def has_single_columns(self) -> bool:
-        """Whether each supernode is one node, all of them in one subtree: then the factors are made column by column."""
+        """Return True if each supernode is one node, all of them in one subtree: then the factors are made column by column."""
         return len(self.symbolic.first) == len(self.symbolic.column) and len(self.symbolic.subtree) == 2
 
     @property

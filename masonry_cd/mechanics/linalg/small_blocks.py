@@ -33,7 +33,7 @@ def room_for(count: int) -> int:
 
 @borrower(forceinline=True)
 def is_wide(size):
-    """Whether blocks may have many rows: not all nodes need have all then, and loops go four at a time. A tuple is known to be narrow."""
+    """Return True if blocks may have many rows: then not all nodes need have all, and loops go four at a time. A tuple is narrow."""
     return not is_tuple(size) and len(size) % STEP == 0
 
 

@@ -73,7 +73,7 @@ def load_blocks(symbolic, s, where, blocks, square, panel, n):
 
 @borrower()
 def has_single_columns(symbolic):
-    """Whether each supernode is one node, all of them in one subtree."""
+    """Return True if each supernode is one node, all of them in one subtree."""
     return len(symbolic.first) == len(symbolic.column) and len(symbolic.subtree) == 2
 
 

@@ -30,7 +30,7 @@ _ONE_TEAM = Lock()  # at a time: two teams, each waiting for threads that the ot
 
 
 class ThreadTeam(NamedTuple):
-    """What a thread knows of its team."""
+    """Place of a thread in its team."""
 
     rank: int  # of this thread, from 0
     size: int  # number of threads
@@ -130,7 +130,7 @@ def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
 
 
 def in_shares(call: Callable[[int, int, int], Any], threads: int, count: int) -> list[Any]:
-    """What ``call(rank, first, end)`` returns on each thread's share of a range, for kernels that treat each item of it on its own."""
+    """Return the results of ``call(rank, first, end)`` on each thread's share of a range, for kernels that treat each item on its own."""
     if threads == 1:
         return [call(0, 0, count)]
     shares = [(rank, count * rank // threads, count * (rank + 1) // threads) for rank in range(threads)]

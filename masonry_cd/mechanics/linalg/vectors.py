@@ -282,7 +282,7 @@ def _addresses(context: Any, builder: Any, signature: Any, arguments: Any) -> li
 
 
 def _is_plain(matrix: Any) -> bool:
-    """Whether a type is that of a contiguous matrix of floats."""
+    """Return True if a type is that of a contiguous matrix of floats."""
     return isinstance(matrix, types.Array) and matrix.ndim == 2 and matrix.layout == "C" and isinstance(matrix.dtype, types.Float)
 
 

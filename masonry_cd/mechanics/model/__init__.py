@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is constant during a run, and the state: blocks, materials, positions and velocities."""
+"""Constants of a run, and its state: blocks, materials, positions and velocities."""

@@ -68,14 +68,14 @@ class BlockForces(Protocol):
         ticks: int = 1,
         yielded: np.ndarray | None = None,
     ) -> Acting:
-        """What acts, loads as their mean over some steps from one on.
+        """Return the forces, loads as their mean over some steps from one on.
 
         Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
         """
 
     @property
     def guides(self) -> tuple[Guide, ...]:
-        """Of blocks whose motion is given in part."""
+        """Guides of blocks whose motion is given in part."""
 
     def spread(self, step: int, ticks: int, assembly: Assembly) -> float:
         """Largest acceleration [m/s2] by which forces and moments given in time differ from their mean over some steps."""
@@ -99,10 +99,10 @@ class BlockForces(Protocol):
         """The forces without those that are given in time, and guides at rest."""
 
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """By how much each tie is longer than as built, (T,) [m]."""
+        """Return the elongation of each tie since it was built, (T,) [m]."""
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
-        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
+        """Return the permanent stretch of each tie, (T,) [m], after ``yielded`` (T,) before."""
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
         """True when a force moves blocks out of the plane where coordinate ``axis`` equals ``at``; centres (B, 3) at the start [m]."""

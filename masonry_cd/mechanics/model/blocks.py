@@ -31,7 +31,7 @@ from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere
 
 
 class Carried(NamedTuple):
-    """What a block carries and moves as if it were a part of it, such as the fill above a voussoir."""
+    """A load that a block carries and moves as if it were a part of it, such as the fill above a voussoir."""
 
     mass: float  # [kg]
     centre: np.ndarray  # (3,) of mass, world frame [m]

@@ -60,7 +60,7 @@ class Deformation:
         return replace(self, theta=1.0, retardation=np.zeros_like(self.retardation))
 
     def maps(self, rotation: np.ndarray, strain: np.ndarray) -> np.ndarray:
-        """What takes points of the body frames to the world, (B, 3, 3), with rotations (B, 3, 3) and strains (B, 6 and more)."""
+        """Return the maps of points of the body frames to the world, (B, 3, 3), with rotations (B, 3, 3) and strains (B, 6 and more)."""
         out = rotation.copy()
         fill_maps(self.block, self.axes, self.share, rotation, strain, out)
         return out

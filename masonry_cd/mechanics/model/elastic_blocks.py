@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What blocks are made of, by group: rigid, elastic with one strain each, or meshed; the keys of ``[material]`` for it."""
+"""Deformation of blocks, by group: rigid, elastic with one strain each, or meshed; its keys in ``[material]``."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ElasticBlocks(Table):
     damping_frequency: Annotated[Value, Unit("Hz"), *numbers(1e-3, 1e6)] | None = None
     """At which ``damping`` of the blocks holds, one value or values by group."""
     strain_theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
-    """Of the strains over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
+    """Theta of the strains over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
 
     @model_validator(mode="after")
     def _keys_have_a_use(self) -> ElasticBlocks:
@@ -90,7 +90,7 @@ class ElasticBlocks(Table):
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Of an isotropic solid."""
+    """Moduli of an isotropic solid."""
 
     young: float  # [Pa]
     poisson: float

@@ -13,7 +13,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """What one load guides: K blocks, each at a point of its own, all at one velocity along one direction."""
+    """A guide of one load: K blocks, each at a point of its own, all at one velocity along one direction."""
 
     blocks: np.ndarray  # (K,)
     arms: np.ndarray  # (K, 3) from the centres of mass to the points, body frames [m]
@@ -44,7 +44,7 @@ class Guide:
         return np.sum(rotation[self.blocks] * self.arms[:, None, :], axis=-1)
 
     def displacement(self, position: np.ndarray, rotation: np.ndarray, centre: np.ndarray) -> float:
-        """By how much the points have moved along the direction in the mean, from where they were built with centres (B, 3) [m]."""
+        """Return the mean displacement of the points along the direction, from where they were built with centres (B, 3) [m]."""
         gone = self.places(position, rotation) - centre[self.blocks] - self.arms
         return float(np.sum(gone * self.direction, axis=1).mean())
 

@@ -64,7 +64,7 @@ class JointMeasures:
     gap: np.ndarray
 
     def since(self, rest: JointMeasures, area: np.ndarray) -> JointMeasures:
-        """What has come on top of the measures of a state of rest, of joints of some areas (J,) [m2]; closing again does not count."""
+        """Return the growth over the measures of a state of rest, of joints of some areas (J,) [m2]; closing again does not count."""
         return JointMeasures(
             opening=np.maximum(0.0, self.opening - rest.opening),
             sliding=np.maximum(0.0, self.sliding - rest.sliding),

@@ -67,7 +67,7 @@ BETTER = {
     "reinforced plaster": "intonaco armato",
     "reinforced repointing": "ristilatura armata con connessione dei paramenti",
 }
-"""What makes masonry better than its kind, and what the code calls it."""
+"""Features that make masonry better than its kind, and their names in the code."""
 AS_FOUND = ("good mortar", "brick courses", "transverse connections")  # of them the two with the largest factors count
 STIFFENING = {"good mortar": 1.0, "grout injection": 1.0, "reinforced plaster": 1.0, "reinforced repointing": 0.5}  # share on moduli
 BESIDE_PLASTER = ("transverse connections", "reinforced repointing")  # which do not count beside reinforced plaster
@@ -107,7 +107,7 @@ KINDS = {
         Range(0.20, 0.36), Range(3500, 5600), Range(875, 1400), Range(15, 15), (1.2, None, None, None, 1.3, None), 1.3,
     ),
 }  # fmt: skip
-"""By plain English names."""
+"""Kinds by plain English names."""
 
 Modulus = Annotated[Number, Unit("Pa"), YOUNG, Field(ge=1e5, le=1e13)]
 Stress = Annotated[Number, Unit("Pa"), Field(ge=1.0, le=1e10)]
@@ -117,14 +117,14 @@ class Masonry(Table):
     """The table ``[material.masonry]``, or its kind alone as ``masonry = "squared stone"``."""
 
     kind: Annotated[str, Field(json_schema_extra={"enum": list(KINDS)})]
-    """Of table C8.5.I of Circolare 7/2019."""
+    """Kind of masonry of table C8.5.I of Circolare 7/2019."""
     stiffness: Literal["mean", "least", "largest", "rigid"] = "mean"
     """Which value of the range of E and G the joints follow, or "rigid": rigid joints all the same."""
     knowledge: Literal["LC1", "LC2", "LC3"] = "LC2"
     """Level of knowledge of the code: at LC1 strengths are the least of their range, else the mean. Strengths are not divided by its
     confidence factor."""
     better: tuple[str, ...] = Field((), strict=False, json_schema_extra={"items": {"type": "string", "enum": list(BETTER)}})
-    """What makes the masonry better than its kind, by the largest factors of table C8.5.II: "good mortar", "brick courses",
+    """Features that make the masonry better than its kind, by the largest factors of table C8.5.II: "good mortar", "brick courses",
     "transverse connections", "grout injection", "reinforced plaster", "reinforced repointing"."""
     shear_bond: Flag = False
     """Give joints the shear strength f_v0 of the table as their cohesion, where they have none of their own. [material.joints] then says
@@ -185,7 +185,7 @@ class Masonry(Table):
 
     @property
     def cohesion(self) -> float:
-        """Of joints [Pa]; 0 where it is not asked for."""
+        """Cohesion of joints [Pa]; 0 where it is not asked for."""
         beds = self.ranges().get("bed_strength")
         return 0.0 if not self.shear_bond else self.bed_strength or (self._known(beds) if beds else 0.0)
 
@@ -207,7 +207,7 @@ class Masonry(Table):
         return values.least if self.knowledge == "LC1" else values.mean
 
     def _factor(self, shares: Mapping[str, float]) -> float:
-        """Of table C8.5.II: those that apply, with their share of it, multiplied, of those as found the two largest, up to the limit."""
+        """Return the factor of table C8.5.II: the product of those that apply, of those as found the two largest, up to the limit."""
         row = KINDS[self.kind]
         own = dict(zip(BETTER, row.factors, strict=True))
         each = {name: 1.0 + shares[name] * ((own[name] or 1.0) - 1.0) for name in self.better if name in shares}
@@ -236,7 +236,7 @@ MasonryKey = Annotated[Masonry | None, BeforeValidator(_as_table), Field(json_sc
 
 
 def facts(masonry: Masonry) -> dict[str, Any]:
-    """What a run takes of a kind of masonry, and the ranges of the tables, in SI units, for summary.json."""
+    """Return the values that a run takes of a kind of masonry, and the ranges of the tables, in SI units, for summary.json."""
     taken: dict[str, float] = {"density": masonry.mean_density, "compressive_strength": masonry.strength}
     taken |= dict(zip(("E", "G"), masonry.moduli or (), strict=False)) | ({"cohesion": masonry.cohesion} if masonry.shear_bond else {})
     ranges = {name: [*values, values.mean] for name, values in masonry.ranges().items()}
@@ -245,7 +245,7 @@ def facts(masonry: Masonry) -> dict[str, Any]:
 
 
 def in_words(masonry: Masonry) -> str:
-    """What a run takes of a kind of masonry, and of which range, in a line."""
+    """Return a line on the values that a run takes of a kind of masonry, and of which range."""
     said, ranges = [f"density {masonry.mean_density:.0f} kg/m3"], masonry.ranges()
     for name, value in zip(("E", "G"), masonry.moduli or (), strict=False):
         said.append(f"{name} {pressure(value)} ({pressure(ranges[name].least)} to {pressure(ranges[name].largest)} by the table)")

@@ -31,19 +31,20 @@ class Material(ElasticBlocks):
     """Kind of existing masonry, which gives density, stiffness of the joints, and strength where stress is reported, by tables C8.5.I and
     C8.5.II of Circolare 7/2019: its name, or a table. Other keys of [material] and [material.joints] win."""
     density: Annotated[Number, Unit("kg/m3"), DENSITY, WithJsonSchema(_DENSITY)] | None = None
-    """Of every block that brings none of its own; that of the masonry when not given; a block file whose blocks all state theirs needs
-    none."""
+    """Density of every block that brings none of its own; that of the masonry when not given; a block file whose blocks all state theirs
+    needs none."""
     friction: Friction
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
     rolling_friction: RollingFriction = 0.0
-    """Of spheres: the arm of the moment that resists rolling, over the radius R, or over R_a R_b / (R_a + R_b) of two spheres; one value,
-    or values by pair of groups, as friction. Pairs without a value roll freely."""
+    """Rolling friction of spheres: the arm of the moment that resists rolling, over the radius R, or over R_a R_b / (R_a + R_b) of two
+    spheres; one value, or values by pair of groups, as friction. Pairs without a value roll freely."""
     restitution: Restitution = 0.0
     """Newton's coefficient of restitution of impacts: one value, or values by pair of groups, as friction. Rigid dry joints give back this
     share of the speed at which they are hit, and nothing without it."""
     compressive_strength: Strength = None
-    """Of the blocks, with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
-    which may be patterns, and ``default``. Nothing crushes by it: ``joints.compressive_strength`` is where joints do."""
+    """Compressive strength of the blocks, with which reports compare their stress: one value, or values by group,
+    ``compressive_strength.arch = 5e6``, which may be patterns, and ``default``. Nothing crushes by it: ``joints.compressive_strength`` is
+    where joints do."""
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is dry, and rigid where no masonry is named."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a place that a scene names lies on its block: within it, or on its surface."""
+"""Check that a place that a scene names lies on its block: within it, or on its surface."""
 
 from __future__ import annotations
 

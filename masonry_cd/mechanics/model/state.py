@@ -43,8 +43,8 @@ class State:
 
 
 def body_maps(assembly: Assembly, orientation: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """What takes points of the body frames to the world, (B, 3, 3), with orientations (B, 4) and strains (B, 6); rotations where none
-    deforms."""
+    """Return the maps of points of the body frames to the world, (B, 3, 3), with orientations (B, 4) and strains (B, 6); rotations where
+    none deforms."""
     rotation = rotation_matrices(orientation)
     return rotation if assembly.deformation is None else assembly.deformation.maps(rotation, strain)
 

@@ -70,7 +70,7 @@ def next_k(learnt: Learnt) -> float:
 
 
 def learn(learnt: Learnt, k: float, k_end: float, iterations: int, rate: float) -> Learnt:
-    """What is learnt from a step that began with k and ended with k_end, and with an error of ``rate`` over the change of p."""
+    """Learn from a step that began with k and ended with k_end, and with an error of ``rate`` over the change of p."""
     steps, best, mean = learnt.steps + 1, learnt.k, learnt.mean_iterations
     if k_end != k:  # it had to change on the way
         return replace(learnt, steps=steps, k=k_end, stale=True, mean_iterations=0.0, rate=rate)

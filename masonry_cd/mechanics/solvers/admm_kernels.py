@@ -256,7 +256,7 @@ def keep_best(team, work, error, smallest, p):
 
 @borrower()
 def is_hopeless(then, now, tolerance, iterations, since, limit):
-    """Whether an error that fell as it did since an iteration, from ``then`` to ``now``, takes HOPE times the limit to the tolerance."""
+    """Return True if an error that falls as it did from ``then`` to ``now`` takes HOPE times the limit to the tolerance."""
     gained, missing = math.log(then / now), math.log(now / tolerance)
     return iterations * gained + (iterations - since) * missing > HOPE * limit * gained
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ADMM does in a subtree, see admm.py: the matrix M + H^T R H, or where W alone is given W + R^-1, and the passes of an iteration.
+"""Work of ADMM in a subtree, see admm.py: the matrix M + H^T R H, or where W alone is given W + R^-1, and the passes of an iteration.
 
 These are forward substitution after a pass over the contacts, and backward substitution. A team of threads makes the factors.
 """
@@ -188,7 +188,7 @@ def augment_coupled(work, first, last):
 
 @borrower()
 def add_contact(work, g, lane, rows, turned):
-    """What a contact of group g adds to the matrix: rows of H and R H (2, m, n)."""
+    """Add a contact of group g to the matrix: rows of H and R H (2, m, n)."""
     problem, groups, m, lower = work.problem, work.groups, len(work.problem.m), work.factor.lower
     a, b, block = groups.place[g, lane], groups.place[g, LANES + lane], groups.block[g, lane]
     for side in range(2):

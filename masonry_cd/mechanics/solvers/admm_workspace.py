@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the threads of an ADMM solve share: the problem in the order of the subtrees, the iterates and the factor; see admm.py."""
+"""Data that the threads of an ADMM solve share: the problem in the order of the subtrees, the iterates and the factor; see admm.py."""
 
 from __future__ import annotations
 

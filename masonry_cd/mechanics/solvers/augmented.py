@@ -81,7 +81,7 @@ def augment_blocks(problem, blocks, world, share, factor):
 
 @borrower(fastmath={"contract"})
 def add_rigid_contact(problem, world, c, share, factor):
-    """What contact c between rigid bodies in space adds to the columns of a share (first, end)."""
+    """Add contact c between rigid bodies in space to the columns of a share (first, end)."""
     (begin, stop), places, k = share, problem.places, problem.block[c]
     for side in range(2):
         b, beyond = places[c, side], places[c, 1 - side]

@@ -101,7 +101,7 @@ class _Progress:
 
     @property
     def moved(self) -> bool:
-        """Whether the last step took iterations, so that its impulses will hardly do in this one."""
+        """Return True if the last step took iterations, so that its impulses will hardly do in this one."""
         return self.last.iterations > 0 and isinstance(self.problem, FrictionProblem)
 
     def measure(self) -> None:
@@ -110,7 +110,7 @@ class _Progress:
 
     @property
     def ended(self) -> bool:
-        """Whether the tolerance or the limit is reached."""
+        """Return True if the tolerance or the limit is reached."""
         return self.error <= self.options.tolerance or self.iterations >= self.options.limit(MOST_ITERATIONS)
 
     @property
@@ -151,7 +151,7 @@ class _Progress:
 
 
 def touch_in_points(problem: Problem) -> bool:
-    """Whether these are packed grains: many contacts in space, of which most are the only one between their two blocks."""
+    """Return True if these are packed grains: many contacts in space, of which most are the only one between their two blocks."""
     if not isinstance(problem, FrictionProblem) or problem.dimension < 3 or problem.contacts < GRAINS:
         return False
     joints = 1 + int((problem.bodies[1:] != problem.bodies[:-1]).any(axis=1).sum())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the interior point method and the path by its length share: the products of a contact, their linearisation, and steps in the
+"""Parts common to the interior point method and the path by its length: the products of a contact, their linearisation, and steps in the
 cones."""
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Directions(NamedTuple):
 
 
 class InteriorWorkspace(NamedTuple):
-    """What both methods work on."""
+    """Workspace of both methods."""
 
     impulse: np.ndarray  # (C, m) those of the iterate, admissible where there is no friction
     v: np.ndarray  # (B + 1, n) their velocities
@@ -92,7 +92,7 @@ def allocate_interior(arena, shape, rows):
 
 @kernel(inline="always")
 def are_inside(w, p, gamma, mu, m):
-    """Whether w and p (m,) and the sliding speed of a contact are inside their cones."""
+    """Return True if w and p (m,) and the sliding speed of a contact are inside their cones."""
     bound, w2, p2 = mu * p[0], w[2] if m == 3 else 0.0, p[2] if m == 3 else 0.0
     slides, holds = w[1] * w[1] + w2 * w2 < gamma * gamma, p[1] * p[1] + p2 * p2 < bound * bound
     return w[0] > 0.0 and p[0] > 0.0 and gamma > 0.0 and slides and holds
@@ -236,7 +236,7 @@ def set_damping(shares, problem, stiffness, linear):
 
 @borrower()
 def missing_velocity(shares, problem, here, tau, linear):
-    """What w misses, H v + b + C p - w - tau far."""
+    """Return the residual of w, H v + b + C p - w - tau far."""
     compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
     law_velocity(shares, problem, here.v, miss)
     for c in range(first, end):
@@ -283,7 +283,7 @@ def contact_step(w, p, gamma, dw, dp, dgamma, mu, m):
 
 @borrower()
 def allows_step(w, p, gamma, dw, dp, dgamma, mu, step, m):
-    """Whether a step along a direction keeps one contact inside its cones; vectors (m,)."""
+    """Return True if a step along a direction keeps one contact inside its cones; vectors (m,)."""
     w2, p2 = (w[2] + step * dw[2], p[2] + step * dp[2]) if m == 3 else (0.0, 0.0)
     moved_w, moved_p = (w[0] + step * dw[0], w[1] + step * dw[1], w2), (p[0] + step * dp[0], p[1] + step * dp[1], p2)
     return are_inside(moved_w, moved_p, gamma + step * dgamma, mu, m)

@@ -143,7 +143,7 @@ def direction_product(shares, a, b, here, cones):
 
 @kernel(inline="always")
 def is_near(product, goal):
-    """Whether the products of a contact are off goal (1, e) by less than WIDE times goal."""
+    """Return True if the products of a contact are off goal (1, e) by less than WIDE times goal."""
     bound, across = WIDE * goal, (product[1] - goal) ** 2
     for i in range(2, len(product)):
         across += product[i] * product[i]
@@ -229,7 +229,7 @@ def first_forbidding(shares, here, directions, cones, last, along, level, scratc
 
 @borrower()
 def _allows(here, directions, cones, c, along, goal, scratch):
-    """Whether contact c stays inside the cones, a little beyond the step too, and near the path with products of ``goal`` at its end.
+    """Return True if contact c stays inside the cones, a little beyond the step too, and near the path with products ``goal`` at its end.
 
     The step is back + along[0] tangent + along[1] bend; ``scratch`` (3, m + 1) is overwritten.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the methods that linearise the law share: settings, the best answer so far, the matrix that they factorise, and operators.
+"""Parts common to the methods that linearise the law: settings, the best answer so far, the matrix that they factorise, and operators.
 
 Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone: what these
 differ in are the operators of friction/operators.py, and the assembly of the matrix in augmented.py. A team of threads shares them: each
@@ -30,7 +30,7 @@ STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid
 
 
 class Settings(NamedTuple):
-    """What a method is to do."""
+    """Settings of a method."""
 
     distance: float  # of the start from the walls of the cones, relative to the largest speed; proximal points have none
     tolerance: float  # natural map error at which to stop

@@ -80,7 +80,7 @@ def room_needed(problem: ProblemArrays, elimination: Elimination, symbolic: Symb
 
 
 class Given(NamedTuple):
-    """What a method is given, and what it overwrites."""
+    """Arrays that a method is given, and those that it overwrites."""
 
     problem: ProblemArrays
     elimination: Elimination

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What solvers remember from step to step, checked when it comes from a checkpoint.
+"""Checks of the solvers' memory from step to step when it comes from a checkpoint.
 
 The symbolic factor tells compiled kernels where to write. It follows from the pairs of bodies that touch, so it is made again from these,
 and has to be the same to the last entry.

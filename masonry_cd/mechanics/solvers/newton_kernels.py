@@ -38,7 +38,7 @@ class NewtonIterate(NamedTuple):
 
 @kernel()
 def allocate_newton(arena, shape, rows):
-    """What proximal points by Newton work on, for contacts (C, m) and velocities of a shape."""
+    """Allocate the workspace of proximal points by Newton, for contacts (C, m) and velocities of a shape."""
     iterate = NewtonIterate(take(arena, rows), take(arena, rows), take(arena, rows), take(arena, rows))
     return allocate_springs(arena, shape, rows), iterate
 

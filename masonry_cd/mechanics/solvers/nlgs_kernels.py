@@ -44,7 +44,7 @@ class ColouredJoints(NamedTuple):
 
 
 class SweepHistory(NamedTuple):
-    """What the extrapolation and the answer need beside the table."""
+    """Arrays that the extrapolation and the answer need in addition to the table."""
 
     p: np.ndarray  # (C, m) impulses after the last sweep
     y: np.ndarray  # (B + 1, n) G^T p of them

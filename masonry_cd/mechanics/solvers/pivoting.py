@@ -33,7 +33,7 @@ LIMIT = 300  # factorisations
 
 
 def applies(problem: Problem) -> bool:
-    """Whether a problem is one over bodies in a plane."""
+    """Return True if a problem is one over bodies in a plane."""
     return isinstance(problem, FrictionProblem) and problem.dimension == 2
 
 

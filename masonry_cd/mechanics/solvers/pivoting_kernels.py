@@ -49,7 +49,7 @@ class Path(NamedTuple):
 
 @kernel()
 def allocate_pivoting(arena, shape, rows):
-    """What proximal points by pivoting work on, for contacts (C, 2) and velocities of a shape."""
+    """Allocate the workspace of proximal points by pivoting, for contacts (C, 2) and velocities of a shape."""
     contacts = shape[0]
     z, contact, b, ratio = np.zeros((UPDATES, *rows)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share, hard = np.empty((UPDATES, UPDATES)), np.empty(UPDATES), np.empty((contacts, 2))

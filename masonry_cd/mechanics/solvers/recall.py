@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the methods that factorise take over from the last step: the order of elimination, and the factors of ADMM while they fit."""
+"""Reuse from the last step in the methods that factorise: the order of elimination, and the factors of ADMM while they fit."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each thread of a team takes of the passes over contacts and bodies in the methods that linearise the law.
+"""Shares of the threads of a team in the passes over contacts and bodies of the methods that linearise the law.
 
 All threads run the whole method. Each takes its share of every pass, decides by itself from the same numbers, and waits where it needs what
 the others compute: a kernel that reads what is not its own begins with a wait. Sums over contacts are taken over chunks of CHUNK of them,
@@ -88,7 +88,7 @@ def least_of_chunks(shares, contacts):
 
 @borrower()
 def any_of(shares, own, contacts):
-    """Whether something is so for any of the threads that have contacts, when all threads are here."""
+    """Return True if something holds for any of the threads that have contacts, when all threads are here."""
     turn, (first, end) = begin_sums(shares), shares.chunks
     for k in range(first, end):
         shares.sums[turn, 0, k] = 1.0 if own else 0.0

@@ -23,7 +23,7 @@ def _is_known(name: str) -> str:
 
 
 def _names(schema: dict[str, Any]) -> None:
-    """What the JSON schema says of such a key."""
+    """Put the names of solvers into the JSON schema of such a key."""
     schema["enum"] = [*every_solver()]
 
 

@@ -23,7 +23,7 @@ LARGEST_STEP = 0.1  # [s]
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a measurement: lists as typed, None where nothing is."""
+    """A request for a measurement: lists as typed, None where nothing is."""
 
     solvers: str | None = None
     tolerances: str | None = None

@@ -70,7 +70,7 @@ class Setting(NamedTuple):
 
     @property
     def values(self) -> dict[str, Any]:
-        """By the keys of a scene."""
+        """Values by the keys of a scene."""
         return {f"run.{key}": value for key, value in self._asdict().items()}
 
 
@@ -87,18 +87,18 @@ class Spread(NamedTuple):
 
     @property
     def biased(self) -> bool:
-        """Whether a bias shows that matters."""
+        """Return True if a bias shows that matters."""
         return self.chance < SHOWN and abs(self.bias) > self.matters
 
     @property
     def within(self) -> bool:
-        """Whether the bias is smaller than the spread."""
+        """Return True if the bias is smaller than the spread."""
         return abs(self.bias) <= self.spread
 
 
 @dataclass(frozen=True, eq=False)
 class EnsembleRow:
-    """What a setting gave."""
+    """Result of a setting."""
 
     setting: Setting
     members: tuple[RunRow, ...]
@@ -107,12 +107,12 @@ class EnsembleRow:
 
     @property
     def biased(self) -> bool:
-        """Whether a bias shows in any measure."""
+        """Return True if a bias shows in any measure."""
         return any(spread.biased for spread in self.spreads.values())
 
     @property
     def seconds(self) -> tuple[float, float, float]:
-        """Of the processor: lower quartile, median, upper quartile."""
+        """Seconds of the processor: lower quartile, median, upper quartile."""
         return quartiles([seconds_of(row) for row in self.members])
 
     @property
@@ -122,7 +122,7 @@ class EnsembleRow:
 
     @property
     def steps(self) -> int:
-        """Of all members."""
+        """Number of steps of all members."""
         return sum(row.numbers["steps"] for row in self.members)
 
     @property
@@ -179,7 +179,7 @@ class EnsemblePlan(Plan):
         super().__init__(maker, asked, DESIGN)
 
     def groups(self, rows: Rows) -> list[EnsembleRow]:
-        """What the settings gave, once all runs are done."""
+        """Return the results of the settings, once all runs are done."""
         found = [rows[run.name] for run in self.runs]
         groups = [tuple(found[i :: len(self.settings)]) for i in range(len(self.settings))]
         return [
@@ -218,7 +218,7 @@ def settings_of(solvers: Sequence[str], dts: Sequence[float], tolerances: Sequen
 
 
 def seconds_of(row: RunRow) -> float:
-    """Of the processor."""
+    """Return the seconds of the processor."""
     return row.timing["processor"]
 
 
@@ -259,7 +259,7 @@ def good_enough(rows: Sequence[EnsembleRow]) -> EnsembleRow:
 
 
 def measured(title: str, rows: Sequence[EnsembleRow]) -> Measurement:
-    """What ensembles came to; filled points show no bias against the finest setting, whose quartiles are the pale strip."""
+    """Return the measurement of ensembles; filled points show no bias against the finest setting, whose quartiles are the pale strip."""
     heading, count = f"Error against run time, by ensembles: {title}", len(rows[0].members)
     facts = f"{count} members each: median and quartiles; strip: quartiles of the finest setting; hollow: a bias shows; labels: tolerance"
     panels = [_panel(rows, key) for key in LENGTHS]

@@ -37,7 +37,7 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Panel:
-    """What is drawn over the seconds."""
+    """Quantity that is drawn over the seconds."""
 
     words: str  # at the axis
     lines: Sequence[tuple[str, Sequence[Point]]]  # by name

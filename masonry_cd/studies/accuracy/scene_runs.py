@@ -65,7 +65,7 @@ class SceneRow:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What of a run is compared, at F frames."""
+    """Motion of a run that is compared, at F frames."""
 
     time: np.ndarray  # (F,) [s]
     displacement: np.ndarray  # (F, B, 3) of the free blocks relative to the base [m]
@@ -74,7 +74,7 @@ class Motion:
 
 
 def measured(title: str, rows: Sequence[SceneRow]) -> Measurement:
-    """What the runs of a scene came to, the reference first."""
+    """Return the measurement of the runs of a scene, the reference first."""
     heading, cells, runs = f"Error against run time: {title}", [vars(row) for row in rows], rows[1:]
     reference, several = rows[0], len({row.solver for row in runs}) > 1
     facts = f"each point a time step; reference: dt {1e3 * reference.dt:g} ms, tolerance {exponent(reference.tolerance)}"

@@ -42,7 +42,7 @@ class SolverRow:
 
 
 def measured(problem: Problem, title: str, rows: Sequence[SolverRow], every: bool) -> Measurement:
-    """What the solvers came to; with ``every`` solver asked for, those that do not apply are named as well."""
+    """Return the measurement of the solvers; with ``every`` solver asked for, those that do not apply are named as well."""
     names = list(dict.fromkeys(row.solver for row in rows))
     by_name = {name: [row for row in rows if row.solver == name] for name in names}
     lines = [f"{title}: {problem.contacts} contacts, errors by the natural map, median times"]
@@ -99,7 +99,7 @@ def solvers_for(problem: Problem, asked: Sequence[str] | None) -> tuple[str, ...
 
 
 def _best(name: str, last: SolverRow) -> str:
-    """What one solver reached."""
+    """Describe the best result of one solver."""
     cost = f"{1e3 * last.seconds:.3g} ms, {last.iterations} iterations"
     if last.reached:
         return f"{name}: reached all, the tightest, {last.tolerance:g}, with an error of {last.error:.1e} in {cost}"

@@ -73,7 +73,7 @@ class Assumption:
 
     @property
     def known(self) -> Known:
-        """What an assessment says of it."""
+        """Facts on it for an assessment."""
         levels, coarser = (tuple(one.name for one in self.levels if one.coarser or not only) for only in (False, True))
         return Known(self.name, self.base, levels, self.reference, self.name in NUMERICAL, coarser)
 
@@ -87,7 +87,7 @@ class LeftOut:
 
 
 def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Assumption], list[LeftOut]]:
-    """What is varied of a scene, and what is not.
+    """Return the assumptions of a scene that are varied, and those that are not.
 
     Args:
         scene: checked.
@@ -112,7 +112,7 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
 
 
 def is_elastic(scene: Scene) -> bool:
-    """Whether some joint of the scene is elastic."""
+    """Return True if some joint of the scene is elastic."""
     material = scene.material
     return material.joint_moduli is not None or any(law.normal_stiffness for law in material.joints.values())
 
@@ -174,7 +174,7 @@ def _stiffness(scene: Scene, asked: AssessTable) -> Assumption:
 
 
 def _base_stiffness(scene: Scene) -> str:
-    """What the scene says of the stiffness of its joints."""
+    """Describe the stiffness of its joints as the scene gives it."""
     given = sorted({law.normal_stiffness for law in scene.material.joints.values() if law.normal_stiffness})
     if given:
         return f"{given[0]:.3g}{f' to {given[-1]:.3g}' if len(given) > 1 else ''} N/m3"
@@ -230,7 +230,7 @@ def _size(scene: Scene, tables: Tables) -> tuple[Assumption | LeftOut, list[Left
 
 
 def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
-    """What the structure of a level is refused for; empty where it is not."""
+    """Return the reason why the structure of a level is refused; empty where it is not."""
     changed = copy.deepcopy(tables)
     level.change(changed)
     try:

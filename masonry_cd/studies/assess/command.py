@@ -56,7 +56,7 @@ def cost_in_words(plan: AssessPlan) -> str:
 
 
 def assessment_of(plan: AssessPlan, rows: Mapping[str, RunRow]) -> Assessment:
-    """What the runs that have ended come to."""
+    """Return the assessment by the runs that have ended."""
     members = []
     for part, run in zip(plan.parts, plan.runs, strict=True):
         row = rows.get(run.name, RunRow())

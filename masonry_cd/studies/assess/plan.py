@@ -26,7 +26,7 @@ DESIGN = "assess"
 
 @dataclass(frozen=True)
 class Part:
-    """What a run is part of: its kind, and which levels of which assumptions it has."""
+    """Part of an assessment to which a run belongs: its kind, and which levels of which assumptions it has."""
 
     kind: str  # base | ensemble | level | pair
     levels: tuple[tuple[Assumption, Level], ...] = ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a case is made of, and how its tests are run: scene files in a folder, which are what a user copies."""
+"""A laboratory case, and how its tests are run: scene files in a folder, which are what a user copies."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Row(NamedTuple):
 
 @dataclass
 class Found:
-    """What the tests of a case gave."""
+    """Results of the tests of a case."""
 
     rows: list[Row] = field(default_factory=list)
     measured: list[Curve] = field(default_factory=list)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is checked of a study before anything runs: that every value that varies is one the scene takes, and that its runs can be made."""
+"""Checks of a study before anything runs: that every value that varies is one the scene takes, and that its runs can be made."""
 
 from __future__ import annotations
 

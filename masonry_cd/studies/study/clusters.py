@@ -46,11 +46,11 @@ class SlurmTable(Table):
     jobs: Count = Field(ge=1, le=100_000)
     """How many jobs."""
     cores: Count = Field(ge=1, le=4096)
-    """Of each job; each has a worker."""
+    """Cores of each job; each has a worker."""
     memory: str
-    """Of each job: "32 GB"."""
+    """Memory of each job: "32 GB"."""
     walltime: str = "24:00:00"
-    """Of each job."""
+    """Walltime of each job."""
     queue: str | None = None
     """Partition."""
     account: str | None = None

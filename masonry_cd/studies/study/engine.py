@@ -96,7 +96,7 @@ class Engine:
         return self.ended(run, outcome)
 
     def _outcome(self, future: Future, run: Planned) -> Outcome | None:
-        """What a run came to; None where its result was lost on the way, and it is made again."""
+        """Return the outcome of a run; None where its result was lost on the way, and it is made again."""
         from distributed import KilledWorker
 
         if future.status in ("cancelled", "lost"):
@@ -135,5 +135,5 @@ class Engine:
             raise ClusterLost(f"no worker has been there for {in_words(now - self._manned)}")
 
     def _alive(self) -> bool:
-        """Whether the scheduler still answers."""
+        """Return True if the scheduler still answers."""
         return bool(self.client.status == "running")

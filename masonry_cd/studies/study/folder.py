@@ -142,7 +142,7 @@ class StudyFolder:
             part.write_text(json.dumps({**about, **outcome.row.as_dict()}, default=str) + "\n", encoding="utf-8")
 
     def has_reference(self, name: str) -> bool:
-        """Whether the reference is the result of a run."""
+        """Return True if the reference is the result of a run."""
         named = self.path / REFERENCE / "run.txt"
         there = named.is_file() and (self.path / REFERENCE / "result.h5").is_file()
         return there and named.read_text(encoding="utf-8").strip() == name
@@ -157,7 +157,7 @@ class StudyFolder:
 
 
 def is_study(folder: Path) -> bool:
-    """Whether a folder that has no list of its files is that of a study of an earlier version: by its study.json."""
+    """Return True if a folder that has no list of its files is that of a study of an earlier version: by its study.json."""
     try:
         return {"format", "program", "identity"} <= set(json.loads(read_text(folder / NAME)))
     except (OSError, ValueError, TypeError):
@@ -165,12 +165,12 @@ def is_study(folder: Path) -> bool:
 
 
 def _in_progress(path: Path) -> bool:
-    """Whether a kill may have left it, by its path below a folder of the study: a file half written, a run half copied, a hang's trace."""
+    """Return True if a kill may have left it, by its path in a study's folder: a file half written, a run half copied, a hang's trace."""
     return own_files.HALF in path.name or path.parts[0].endswith(".part") or path.suffix == HANG
 
 
 def _of_old_run(path: Path) -> bool:
-    """Whether a run of an earlier version has left it in ``runs/NAME``."""
+    """Return True if a run of an earlier version has left it in ``runs/NAME``."""
     return len(path.parts) == 2 and any(fnmatchcase(path.name, name) for name in (*names_of_run(), SCENE))
 
 

@@ -131,7 +131,7 @@ class Maker:
             perturb(tables, ensemble.perturb, asked.change)
 
     def _degrees(self, asked: Asked) -> float:
-        """By how much the horizontal pair is turned."""
+        """Return the angle by which the horizontal pair is turned [degrees]."""
         assert self.space.records is not None
         return float(asked.values.get(ROTATE, self.space.records.table.rotate))
 
@@ -182,7 +182,7 @@ class Plan:
 
     @property
     def adapts(self) -> bool:
-        """Whether runs follow from others."""
+        """Return True if runs follow from others."""
         return self._study.tables.ida is not None
 
     def after(self, planned: Planned, row: RunRow) -> Iterator[Planned]:

@@ -43,7 +43,7 @@ class RecordsTable(Table):
     """The table ``[records]``: files of a folder, or seeds of a load that draws its motion."""
 
     folder: str | None = None
-    """Of the files, relative to the study file."""
+    """Folder of the files, relative to the study file."""
     pattern: str = r"(?P<motion>.+)_(?P<component>[^_]+)\.[^.]+"
     """Regular expression that the name of a file matches as a whole; its groups are motion and component."""
     x: list[str] = Field(default_factory=list)
@@ -63,15 +63,15 @@ class RecordsTable(Table):
     dt: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
     """Time step, where the files have no times."""
     units: str | None = None
-    """Of the values, where the files do not say: "m/s2", "g"."""
+    """Units of the values, where the files do not say: "m/s2", "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
-    """Of the values, where they are no accelerations, or where the files leave it open."""
+    """Quantity of the values, where they are no accelerations, or where the files leave it open."""
     layout: Literal["columns", "series", "pairs"] | None = None
-    """Of tables of numbers that could be read in several ways."""
+    """Layout of tables of numbers that could be read in several ways."""
     format: FormatName = "auto"
-    """Of the files; recognised by their content when "auto"."""
+    """Format of the files; recognised by their content when "auto"."""
     column: str | int | None = None
-    """Of files with several: a heading, or a place counted from 0."""
+    """Column of files with several: a heading, or a place counted from 0."""
     window: Annotated[list[Number], Unit("s")] | None = None
     """Part of all motions to use, [from, to]."""
     trim: Trim | None = None
@@ -79,7 +79,7 @@ class RecordsTable(Table):
     rest: Instant = 0.0
     """How long each run goes on after its motion."""
     duration: Literal["record", "scene"] = "record"
-    """Whether runs last as long as their motions, or as run.duration of the scene."""
+    """Duration of runs: that of their motions, or run.duration of the scene."""
     taper: Instant = 0.0
     """Over which the acceleration rises and falls at the ends of the window."""
     resample: Annotated[Number | Literal["run"], Unit("s")] | None = None
@@ -89,7 +89,7 @@ class RecordsTable(Table):
     band_order: Annotated[int, Field(strict=True, ge=1, le=8)] = 4
     """Order of the band-pass."""
     correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
-    """Of the baseline."""
+    """Correction of the baseline."""
     key: str | None = None
     """Instead of a folder: key of the scene by whose values motions differ, "loads[0].seed"."""
     values: list[Any] | None = None

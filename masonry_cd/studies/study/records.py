@@ -76,7 +76,7 @@ class Records:
         return self._measured[key]
 
     def factor(self, motion: Motion, degrees: float, level: float | None) -> float:
-        """What the motion is multiplied with.
+        """Return the factor by which the motion is multiplied.
 
         Raises:
             InputError: no factor brings it to the level.
@@ -109,7 +109,7 @@ class Records:
 
 
 def _shares(axis: str, angle: float, motion: Motion) -> list[tuple[str, str, float]]:
-    """What moves along an axis when the pair is turned: (axis, component, factor), zero factors left out."""
+    """Return the components that move along an axis when the pair is turned: (axis, component, factor), zero factors left out."""
     if axis == "z" or not {"x", "y"} <= motion.files.keys():
         return [(axis, axis, 1.0)]
     c, s = math.cos(angle), math.sin(angle)

@@ -47,7 +47,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Ways:
-    """What is done with runs; by default nothing but to make them."""
+    """Actions on the runs of a study; by default none but to make them."""
 
     write: Callable[[Path, Plan, Rows], object]  # what is written of the runs that have ended
     function: Callable[[Task], Outcome] = run_task  # a run, on a worker
@@ -59,7 +59,7 @@ class Ways:
 
 @dataclass(frozen=True)
 class Made:
-    """What the runs of a plan have come to."""
+    """Outcome of the runs of a plan."""
 
     runs: int  # planned
     rows: Rows  # of those that have ended
@@ -225,7 +225,7 @@ class _Making:
                 progress.close()
 
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
-        """What a worker is asked."""
+        """Return the task of a worker."""
         folder = str(self.folder.path.resolve())
         asked, reference = tables.run, reference and self.ways.maps
         return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference, tables.asks)
@@ -241,7 +241,7 @@ class _Making:
 
 
 def _identity(plan: Plan) -> dict[str, str]:
-    """What makes a study this one: all but how large its design is."""
+    """Return the digests by which a study is recognised: all but how large its design is."""
     study, maker = plan.maker.study, plan.maker
     tables, intensity = study.tables, study.tables.intensity
     records = None if tables.records is None else tables.records.model_dump(exclude={"folder", "exclude", "values"})

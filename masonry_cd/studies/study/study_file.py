@@ -47,9 +47,9 @@ class IntensityTable(Table):
     measure: str = "PGA"
     """Intensity measure, "PGA", "Sa(0.5)", "AvgSA(0.1,1.0)"; with ``key``, any word for the column."""
     of: str = "x"
-    """Of the component "x", "y" or "z"; of both horizontal ones by "geometric_mean", "larger", "rotd50" or "rotd100"."""
+    """Component "x", "y" or "z"; or both horizontal ones by "geometric_mean", "larger", "rotd50" or "rotd100"."""
     levels: list[Positive] | None = None
-    """Of stripes and grids, in the unit of the measure, SI."""
+    """Levels of stripes and grids, in the unit of the measure, SI."""
     also: list[str] = Field(default_factory=list)
     """Further measures that become columns."""
     key: str | None = None
@@ -80,9 +80,9 @@ class IdaTable(Table):
     step: Positive
     """From the first to the second level."""
     growth: Annotated[Number, Field(ge=0)] = 0.0
-    """By which each step is longer than the one before."""
+    """Factor by which each step is longer than the one before."""
     resolution: Annotated[Number, Field(gt=0, lt=1)] = 0.1
-    """Of the level of collapse, as a share of it."""
+    """Resolution of the level of collapse, as a share of it."""
     runs: Annotated[Count, Field(ge=3, le=1000)] = 12
     """At most, for each motion."""
     fill: Annotated[Count, Field(ge=0, le=1000)] = 2
@@ -110,42 +110,42 @@ class RunTable(Table):
     grace: Annotated[Number, Unit("s"), Field(gt=0, le=MOST_SECONDS)] = 300.0
     """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as no data."""
     keep: Literal["none", "summary", "all"] = "none"
-    """What is kept of each run beside its row: nothing, its summary and joints.csv, or its whole folder."""
+    """Files kept of each run in addition to its row: none, its summary and joints.csv, or its whole folder."""
     memory: Annotated[Positive, Unit("GB")] | None = None
-    """Of each worker at most; its share of the machine's when not given."""
+    """Memory of each worker at most; its share of the machine's when not given."""
 
 
 class StudyTables(Table):
     """The top level of the file."""
 
     format: Annotated[int, Field(strict=True, ge=1, le=FORMAT)] = FORMAT
-    """Of the keys of this file."""
+    """Format of the keys of this file."""
     title: str | None = None
-    """Of pictures and closing lines; that of the scene when not given."""
+    """Title of pictures and closing lines; that of the scene when not given."""
     scene: str | dict[str, Any]
     """A scene file, relative to this one, or the tables of a scene."""
     design: Literal["grid", "sample", "stripes", "ida", "cloud", "ensemble"]
     """Which runs there are."""
     asks: Literal["run", "limit"] = "run"
-    """What is made of each scene: a run, or a limit analysis as its table [limit] asks for it."""
+    """Computation made of each scene: a run, or a limit analysis as its table [limit] asks for it."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
-    """Of everything that is drawn."""
+    """Seed of everything that is drawn."""
     samples: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
-    """Of the design "sample"."""
+    """Samples of the design "sample"."""
     records: RecordsTable | None = None
     """The motions."""
     intensity: IntensityTable | None = None
-    """What they are scaled to or measured by."""
+    """Intensity that motions are scaled to or measured by."""
     vary: dict[str, Any] = Field(default_factory=dict)
-    """What varies in the scene."""
+    """Keys of the scene that vary."""
     correlation: list[Correlation] = Field(default_factory=list)
-    """What varies together."""
+    """Correlations of keys that vary."""
     limit_states: dict[str, LimitTable] = Field(default_factory=dict)
-    """What is asked of each run."""
+    """Limit states that each run is asked for."""
     ida: IdaTable | None = None
-    """Of the design "ida"."""
+    """Search of the design "ida"."""
     ensemble: EnsembleTable | None = None
-    """Of the design "ensemble"."""
+    """Ensemble of the design "ensemble"."""
     run: RunTable = Field(default_factory=RunTable)
     """How the runs are made."""
 

@@ -16,7 +16,7 @@ from masonry_cd.analysis.outputs import STUDY, units_in
 from masonry_cd.foundation.errors import values_in_si
 
 UNITS = units_in(STUDY)
-"""Of the columns of runs.csv that have one."""
+"""Units of the columns of runs.csv that have one."""
 PURE = ("distribution", "beta", "count")  # keys of what varies that are no values of its key
 ROTATE = "records.rotate"  # varies as keys of the scene do
 

@@ -45,7 +45,7 @@ SCENE = "scene.toml"
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker is asked."""
+    """A task for a worker."""
 
     name: str  # of the run
     tables: Mapping[str, Any]  # of its scene
@@ -59,7 +59,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What it answers."""
+    """The answer of a worker."""
 
     name: str
     row: RunRow

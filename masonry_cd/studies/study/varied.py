@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""What varies: the values of a key of the scene by a list, by an even range, or by a distribution.
+r"""Variation of a key of the scene: by a list, by an even range, or by a distribution.
 
     [vary]
     "material.friction" = {distribution = "lognormal", median = 0.6, beta = 0.15}
@@ -55,17 +55,17 @@ class Distribution(Table):
     """A random number."""
 
     distribution: Literal["uniform", "normal", "lognormal"]
-    """Of which kind."""
+    """Kind of the distribution."""
     low: Number | None = None
     """Lower bound; of a normal or lognormal one, where it is truncated."""
     high: Number | None = None
     """Upper bound."""
     mean: Number | None = None
-    """Of a normal one."""
+    """Mean of a normal one."""
     std: Annotated[Number, Field(gt=0)] | None = None
     """Standard deviation of a normal one."""
     median: Annotated[Number, Field(gt=0)] | None = None
-    """Of a lognormal one."""
+    """Median of a lognormal one."""
     beta: Annotated[Number, Field(gt=0)] | None = None
     """Standard deviation of the logarithm of a lognormal one."""
 
@@ -132,7 +132,7 @@ class Correlation(Table):
     """Keys of ``[vary]`` that vary together."""
 
     keys: Annotated[list[str], Field(min_length=2)]
-    """Of distributions."""
+    """Keys of distributions."""
     rho: Annotated[Number, Field(gt=-1, lt=1)]
     """Correlation of any two of them, as normal numbers."""
 

@@ -37,7 +37,7 @@ def watched(make: Callable[[Task], Outcome], task: Task) -> Outcome:
 
 
 def hung(task: Task) -> bool:
-    """Whether a run has ended its worker because it hung."""
+    """Return True if a run has ended its worker because it hung."""
     try:
         return bool(_trace(task).read_bytes())
     except OSError:
@@ -45,7 +45,7 @@ def hung(task: Task) -> bool:
 
 
 def given_up(task: Task) -> Outcome:
-    """What a run came to that hung."""
+    """Return the outcome of a run that hung."""
     reason = f"out of time, {task.timeout:g} s, in a step or a set-up that did not end"
     return Outcome(task.name, RunRow(TIMEOUT, reason, task.timeout + task.grace))
 
@@ -56,7 +56,7 @@ def _trace(task: Task) -> Path:
 
 
 def _starts_anew() -> bool:
-    """Whether this is a worker whose nanny starts it anew when it ends."""
+    """Return True if this is a worker whose nanny starts it anew when it ends."""
     from distributed import get_worker
 
     try:

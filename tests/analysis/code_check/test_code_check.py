@@ -28,7 +28,7 @@ BUILDING = {"height": 6.0, "building_height": 10.0, "building_period": 0.3, "sto
 
 
 def wall() -> Oscillator:
-    """Of the free-standing wall: every point of it moves by its height; the control point is its top."""
+    """The oscillator of the free-standing wall: every point of it moves by its height; the control point is its top."""
     weight = 2000.0 * G * 0.5 * 4.0 * 2.0
     return Oscillator(ALPHA, G, weight, 0.5 * weight, 0.25 * weight, np.array([0.0, 2.0 * REACH]), np.array([ALPHA, 0.0]))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands on a base that turns, and moves with it, is not displaced, has no drift and has not fallen."""
+"""Blocks that stand on a base that turns, and move with it, are not displaced, have no drift and have not fallen."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def false(slip: float, moved: float, where: str = "a and b at 1 s") -> dict[str,
 
 
 def tight(slip: float, moved: float, tolerance: float) -> dict[str, Any]:
-    """The same with a tolerance that is known."""
+    """Return the findings with a tolerance that is known."""
     return false(slip, moved) | {"solver": false(slip, moved)["solver"] | {"tolerance": tolerance}}
 
 

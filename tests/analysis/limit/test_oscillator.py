@@ -107,7 +107,7 @@ def linkage(theta: float, hinges: np.ndarray, bodies: list[np.ndarray]) -> np.nd
 
 
 def turn(angle: float) -> np.ndarray:
-    """Of vectors in the plane."""
+    """Turn vectors in the plane."""
     return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 

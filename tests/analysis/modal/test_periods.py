@@ -182,7 +182,7 @@ MISSED = {("straight", 2.0, 1.0, "in"): 7.0, ("running", 2.0, 1.5, "out"): 10.5,
 
 @cache
 def continuum_period(width: float) -> float:
-    """Of a cantilever of a width and HEIGHT [s], as FE of 12 squares or so over the smaller side."""
+    """Return the period of a cantilever of a width and HEIGHT [s], as FE of 12 squares or so over the smaller side."""
     from scipy.sparse.linalg import eigsh
     from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, MeshQuad
     from skfem.helpers import dot, sym_grad

@@ -139,7 +139,7 @@ def test_separation_agrees_with_a_linear_programme_on_random_boxes():
 
 
 def hulls_meet(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two convex hulls share a point: a linear programme in the weights of the vertices."""
+    """Return True if two convex hulls share a point: a linear programme in the weights of the vertices."""
     equal = np.block([[a.T, -b.T], [np.ones((1, len(a))), np.zeros((1, len(b)))], [np.zeros((1, len(a))), np.ones((1, len(b)))]])
     return linprog(np.zeros(len(a) + len(b)), A_eq=equal, b_eq=[0, 0, 0, 1, 1]).status == 0
 
@@ -191,7 +191,7 @@ class Scene:
         return found.detect(self.state.position, turn, still, 1e-3, 0.0, np.array(origin))
 
     def done(self) -> np.ndarray:
-        """What the next detection does: pairs apart, kept, clipped, searched."""
+        """Return the counts of the next detection: pairs apart, kept, clipped, searched."""
         before = self.detector.tally.copy()
         self.contacts()
         return self.detector.tally - before

@@ -42,7 +42,7 @@ class Bed:
 
     @property
     def light(self) -> float:
-        """By how much a joint is shortened whose points just matter, by the weight of the block [m]."""
+        """Return the shortening of a joint whose points just matter, by the weight of the block [m]."""
         return float(LIGHT * GRAVITY * self.assembly.mass[1] / (STIFFNESS * DEPTH * WIDTH))
 
     def contacts(self, angle: float, *sunk: float) -> ContactSet:
@@ -76,7 +76,7 @@ def pressure(found: ContactSet) -> np.ndarray:
 
 
 def energy(found: ContactSet) -> float:
-    """Of the springs [J]."""
+    """Return the energy of the springs [J]."""
     return float(0.5 * STIFFNESS * found.area @ np.minimum(found.gap, 0.0) ** 2)
 
 

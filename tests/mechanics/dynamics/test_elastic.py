@@ -93,7 +93,7 @@ def test_rigid_joints_have_corners_only():
 
 
 def frequency(values: np.ndarray, dt: float) -> float:
-    """By the times at which a free vibration passes through zero [Hz]."""
+    """Return the frequency by the times at which a free vibration passes through zero [Hz]."""
     at = np.flatnonzero(values[1:] * values[:-1] < 0.0)
     when = at + values[at] / (values[at] - values[at + 1])
     return 0.5 * (len(when) - 1) / ((when[-1] - when[0]) * dt)

@@ -19,7 +19,7 @@ STIFFER = (1e10, 1e11, 1e12, 1e15)  # Young's modulus [Pa]
 
 
 def end(material: ElasticBlocks | None) -> np.ndarray:
-    """By how much the blocks of a tower have moved after a pulse of its base, (B, 3) [m]."""
+    """Return the displacement of the blocks of a tower after a pulse of its base, (B, 3) [m]."""
     shaken = np.zeros((STEPS + 1, 1, 3))
     shaken[:, 0, 0] = 0.15 * np.array([math.sin(2.0 * math.pi * k / 200.0) if k < 200 else 0.0 for k in range(STEPS + 1)])
     machine = stepper(

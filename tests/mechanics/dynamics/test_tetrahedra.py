@@ -159,7 +159,7 @@ def places(machine: Stepper, block: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mean_height_of_top(machine: Stepper, block: int, half: float) -> float:
-    """Of a meshed block now [m], by the area of its facets; in a plane by their length."""
+    """Return the mean height of the top of a meshed block now [m], by the area of its facets; in a plane by their length."""
     nodes, now = places(machine, block)
     assert machine.system.strains is not None
     assert machine.system.strains.warps is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What steps leave of the contact laws in m/s and mm, and that no light block under a large force hides it in the norm of the error."""
+"""Violations of the contact laws after a step in m/s and mm, which no light block under a large force hides in the norm of the error."""
 
 from __future__ import annotations
 

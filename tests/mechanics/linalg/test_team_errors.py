@@ -27,7 +27,7 @@ def meet_again(team: ThreadTeam, meetings: int, failing: int, when: int) -> int:
 
 
 def outcome(*arguments: object) -> object:
-    """What a team makes of a kernel, result or error, in a thread of its own, so that one that hangs fails the test."""
+    """Return the outcome of a kernel for a team, result or error, in a thread of its own, so that one that hangs fails the test."""
     found: list[object] = []
 
     def ask() -> None:

@@ -100,7 +100,7 @@ def test_rows_of_a_matrix_that_is_not_contiguous_are_refused():
 
 @entry()
 def calculated(x, out):
-    """What operators make of the rows of x (2, 4): sum, difference, product, quotient, twice, root, the smaller one, and a sum of all."""
+    """Apply the operators to the rows of x (2, 4): sum, difference, product, quotient, twice, root, the smaller one, and a sum of all."""
     a, b = load_four(x, 0, 0), load_four(x, 1, 0)
     store_lanes(out, 0, 0, a + b)
     store_lanes(out, 1, 0, a - b)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a plan should fill, by areas of shapely in level planes, not by its blocks."""
+"""Volumes that a plan should fill, by areas of shapely in level planes, not by its blocks."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def prepare(keys: Mapping[str, Any]) -> Walls:
 
 
 def volume_of_plan(walls: Walls) -> float:
-    """Of the walls of a plan drawn out to the far faces at junctions, each counted once, less their openings [m3]."""
+    """Return the volume of the walls of a plan drawn out to the far faces at junctions, each counted once, less their openings [m3]."""
     legs = walls.plan.legs
     levels = sorted(
         {z for leg in legs for z in (leg.base, *(z for _, z in leg.tops))}
@@ -79,7 +79,7 @@ def _heights_of_slopes(walls: Walls) -> Iterator[float]:
 
 
 def _area(walls: Walls, z: float) -> float:
-    """Of all walls at a height [m2]."""
+    """Return the area of all walls at a height [m2]."""
     shapes = []
     for k, leg in enumerate(walls.plan.legs):
         for f in range(len(leg.facets)):
@@ -88,7 +88,7 @@ def _area(walls: Walls, z: float) -> float:
 
 
 def _slice(walls: Walls, k: int, f: int, leg: Leg, z: float) -> list[Polygon]:
-    """Of a facet at a height."""
+    """Return the area of a facet at a height."""
     if z < leg.base:
         return []
     facet, shape = leg.facets[f], walls.plan.shape(k, f)
@@ -107,5 +107,5 @@ def _slice(walls: Walls, k: int, f: int, leg: Leg, z: float) -> list[Polygon]:
 
 
 def free_volume(blocks: Sequence[Block]) -> float:
-    """Of the blocks of a building without its base [m3]."""
+    """Return the volume of the blocks of a building without its base [m3]."""
     return float(sum(block.mass_properties.volume for block in blocks if not block.fixed))

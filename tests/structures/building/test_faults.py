@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is wrong with a plan: all of it at once, a line each that names wall, junction and place."""
+"""Faults of a plan: all of them at once, a line each that names wall, junction and place."""
 
 from __future__ import annotations
 

@@ -33,14 +33,14 @@ def opening(at: float, **keys: float) -> dict[str, Any]:
 
 
 def lines(keys: dict[str, Any], folder: Path = Path()) -> list[str]:
-    """What is said of a building."""
+    """Return the lines on a building."""
     with pytest.raises(InputError) as failure:
         structures.make(KEYS | keys, 2000.0, folder)
     return str(failure.value).splitlines()
 
 
 def said(found: list[str], begins: list[str]) -> bool:
-    """Whether lines begin as they should, in any order, and there is no other."""
+    """Return True if lines begin as they should, in any order, and there is no other."""
     return len(found) == len(begins) and all(sum(line.startswith(begin) for line in found) == 1 for begin in begins)
 
 

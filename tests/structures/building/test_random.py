@@ -41,7 +41,7 @@ LEAST_PART = 0.008  # width of a part [m]: elastic joints sink by some tenths of
 
 
 def least_width(blocks: list[Block]) -> float:
-    """Of the convex parts of free blocks [m]."""
+    """Return the least width of the convex parts of free blocks [m]."""
     parts = [part for block in blocks if not block.fixed for part in block.convex_parts]
     return min(Part.of(Block("", part.vertices, part.faces)).width for part in parts)
 

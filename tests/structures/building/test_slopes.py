@@ -37,7 +37,7 @@ OTHER_COURSES: dict[str, list[dict[str, Any]]] = {
 
 
 def volume_by_kernel(walls: Walls) -> float:
-    """Of the union of straight walls, each under its top and drawn out at junctions, by the geometry kernel [m3]."""
+    """Return the volume of the union of straight walls, each under its top and drawn out at junctions, by the geometry kernel [m3]."""
     with gmsh_session() as gmsh:
         occ = gmsh.model.occ
 

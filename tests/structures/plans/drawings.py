@@ -46,7 +46,7 @@ class Drawing:
         self.space.add_text(words, height=0.1, dxfattribs={"layer": layer}).set_placement(tuple(place))
 
     def entities(self, folder: Path) -> list[Entity]:
-        """What the file of the drawing holds."""
+        """Return the entities in the file of the drawing."""
         path = folder / "plan.dxf"
         self.document.saveas(path)
         return list(read(path).pieces)

@@ -35,10 +35,10 @@ class ElasticKeys(Table):
     centroid alone, or another odd number up to 15. A closed joint has the same force and moments with any number; an open one is up to
     1.9 % too strong with 9, 3.3 % with 7, 37 % with 3, which take up to a third less time."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
-    """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
+    """Theta of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
     damping: Annotated[Number, DAMPING, Field(ge=0, le=10)] = 0.0
-    """Of a dashpot beside the spring, as a share of the critical damping of a vibration at the first elastic period of the structure, or of
-    ``damping_frequency`` where that is given; proportional to the frequency of others."""
+    """Damping of a dashpot parallel to the spring, as a share of the critical damping of a vibration at the first elastic period of the
+    structure, or of ``damping_frequency`` where that is given; proportional to the frequency of others."""
     damping_frequency: Annotated[Number, Unit("Hz"), Field(gt=0, le=1e6)] | None = None
     """At which ``damping`` holds; that of the first mode of the blocks on their elastic joints when not given."""
 

@@ -34,7 +34,7 @@ def column() -> list[Block]:
 
 
 def falls(folder: Path, length: float, size: float) -> bool:
-    """Whether a base accelerated by a [g] for t_p, then by -a/2 for 2 t_p, throws the capital down."""
+    """Return True if a base accelerated by a [g] for t_p, then by -a/2 for 2 t_p, throws the capital down."""
     pulse = {"kind": "pulse", "shape": "rectangle"}
     tables = {
         "title": "Column of drums",

@@ -36,7 +36,7 @@ def exact(duration: float) -> float:
 
 
 def falls(folder: Path, duration: float, law: dict[str, float] | None, acceleration: float) -> bool:
-    """Whether the block leans by more than its slenderness in the end."""
+    """Return True if the block leans by more than its slenderness in the end."""
     tables = {
         "title": f"A slender block under {acceleration:.4g} m/s2 for {duration:g} s",
         "material": {"density": DENSITY, "friction": 2.0, **elastic(law)},
