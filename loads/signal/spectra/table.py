@@ -65,7 +65,7 @@ class SpectrumTable(BaseModel):
     model_config = strict
 
     path: str | None = None
-    """Path of a CSV file, relative to the scene file: a column "period [s]", then "acceleration [g]", or several with dampings, "5 % [g]"."""
+    """Path of a CSV file, relative to the scene file: columns "period [s]" and "acceleration [g]", or several of dampings, "5 % [g]"."""
     period: Annotated[Numbers, Unit("s")] | None = None
     """Or periods, the first of them 0 or more, each longer than the one before."""
     acceleration: Annotated[Columns, Unit("m/s2")] | None = None
