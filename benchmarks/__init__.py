@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Benchmarks: masonry_cd beside its peers, cost against size, and order of accuracy. The README of this folder says how to run them."""
+"""Benchmarks: masonry_cd and its peers, cost against size, and order of accuracy. The README of this folder says how to run them."""

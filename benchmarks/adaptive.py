@@ -7,7 +7,7 @@ r"""Time steps that adapt against fixed ones: error against cost, on whole recor
 
 **arch, column, wall**: a whole record, along the arch and across the wall. Under strong shaking the largest motion of a structure is
 sensitive to the last digit, so each row is an ensemble: the amplitude is changed by 1e-6 from member to member, and medians are compared,
-with the quartiles beside them. The error of a row is how far its medians of the largest displacement and of the largest opening are from
+with the quartiles next to them. The error of a row is how far its medians of the largest displacement and of the largest opening are from
 those of the reference, the finest fixed step. The record is L'Aquila 2009, AQV NS where the folder ../shared/records is there, else an
 artificial motion of the same kind.
 
@@ -51,7 +51,7 @@ SCENES = {  # structure, friction, tolerance of the solver
 
 
 class Row(NamedTuple):
-    """An ensemble of runs with one choice of the time step: medians, and quartiles beside them."""
+    """An ensemble of runs with one choice of the time step: medians, and quartiles next to them."""
 
     name: str
     displacement: np.ndarray  # (3,) quartiles of the largest one [m]

@@ -63,7 +63,7 @@ class CountedCost:
     _now: float = 0.0
 
     def end_step(self, contacts: int) -> None:
-        """Take in a step with so many contacts."""
+        """Take in a step with a given number of contacts."""
         self.steps.append(self._now + BESIDE * contacts)
         self._now = 0.0
 

@@ -5,11 +5,11 @@ r"""When rigid blocks are enough: motion and cost of rigid blocks, of elastic jo
         [--kinds "uniform strain"] [--out TABLE.md]
 
 **arch, pier** and the demo **aqueduct** move in a plane, **wall** across its own. Each runs with rigid blocks on rigid joints; then, for
-each modulus E, with rigid blocks on elastic joints as soft as the blocks beside them (1 / k is the sum of height / E of both halves, the
+each modulus E, with rigid blocks on elastic joints as soft as the blocks next to them (1 / k is the sum of height / E of both halves, the
 median over the joints, Poisson's ratio 0.2), with blocks of uniform strain and with blocks of as few elements as they can have, on rigid
 joints; what is elastic has 5 % of critical damping at 10 Hz. Largest displacement, drift, opening and sliding are those of all steps, the
 drift that of the structure as ``damage.csv`` has it; the first crack is when a joint first opens by more than 0.1 mm. The cost is in
-milliseconds of the processor per step, and beside it that over the rigid row's, so run it on an idle machine.
+milliseconds of the processor per step, and next to it that over the rigid row's, so run it on an idle machine.
 
 Where the motion is sensitive to the last digit (``docs/accuracy.md``), differences of a row are within the spread of an ensemble.
 """

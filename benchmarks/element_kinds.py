@@ -4,7 +4,7 @@ r"""Cost of the kinds of blocks, rigid, of uniform strain, cut into tetrahedra: 
     python -m benchmarks.element_kinds [arcade50] [wall] [--steps 60] [--young 5e9] [--mesh-size 10 0.3]
 
 The same blocks and shaking for each kind; what deforms has 5 % of critical damping at 10 Hz and has settled under its weight. Processor
-milliseconds of a step are the mean over the steps after the first twenty, one thread; beside them those over the rigid row's.
+milliseconds of a step are the mean over the steps after the first twenty, one thread; next to them those over the rigid row's.
 """
 
 from __future__ import annotations

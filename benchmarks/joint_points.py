@@ -73,7 +73,7 @@ def errors(points: Rule, exact: Callable[[float], tuple[float, float]] = rectang
     out = []
     for c in 2.0 * shares:
         force, moment = exact(c)
-        sunk = (force + lever) / carried  # of the edge, if so many points touch
+        sunk = (force + lever) / carried  # of the edge, if that number of points touch
         touching = int(np.flatnonzero(sunk <= np.append(depth[1:], np.inf) + 1e-12)[0]) + 1
         pressure = weight[:touching] * (sunk[touching - 1] - depth[:touching])
         out.append(pressure @ (1.0 - depth[:touching]) / moment - 1.0)

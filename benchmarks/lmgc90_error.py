@@ -11,7 +11,7 @@ configuration q_m = q + h (1 - theta) v.
 
 **Two errors.** Given impulses p, the motion follows: u = W p + q, and so the error is measured, for LMGC90 as for us. LMGC90 also reports
 local velocities of its own. They date from the sweep, are not those of the motion (the bodies move on with the former, which
-the check shows), and often look better; the error with them in place of u is given beside.
+the check shows), and often look better; the error with them in place of u is given next to it.
 
 **Check.** Velocities and reactions were found apart, so M (v+ - v_free) = H^T p shows whether all was read rightly; the largest
 relative residual is returned too.

@@ -5,7 +5,7 @@ r"""Memory over a long run, which must stay flat.
 
 A whole run, result file included, in a temporary folder. Ten times on the way the resident memory of the process and the memory
 that Python and numpy hold (tracemalloc) are written down, each time with the writer's buffers just emptied; growth is that of the last
-beside the second, when all of them have been filled once. Exit code 1 when either grew by more than `--allowed`, 5 % when not given.
+against the second, when all of them have been filled once. Exit code 1 when either grew by more than `--allowed`, 5 % when not given.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ r"""Memory against size: bytes per contact of a shaken structure, and whether th
 Each scene is stepped in a process of its own, in space. Its memory is what is resident above what the process held when all kernels were
 loaded and a small scene had been stepped: blocks, contacts, factors, what the methods keep, and what numba and numpy allocate for a while.
 The first steps fill it, of buildings that slide the first few hundred, until each method has had its turn. Growth is that of the mean over
-the last quarter of the steps beside the second quarter.
+the last quarter of the steps against the second quarter.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Measured:
     program: float  # resident before the scene was built [B]
     resident: float  # above that, mean over the last quarter of the steps [B]
     peak: float  # above that, the largest so far of the whole process [B]
-    growth: float  # of resident, last quarter beside the second one; 0 where it is too small to be seen
+    growth: float  # of resident, last quarter against the second one; 0 where it is too small to be seen
 
     @property
     def per_contact(self) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""masonry_cd beside LMGC90 and Siconos, in one sitting on one machine.
+r"""masonry_cd against LMGC90 and Siconos, in one sitting on one machine.
 
     python -m benchmarks.peers scenes --lmgc90-python PATH/bin/python [wall10x10 arcade3 ...]
     python -m benchmarks.peers files --siconos-python /usr/bin/python3 FILE.npz ...

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Friction problems beside Siconos: the part ``files`` of ``peers.py``, see there."""
+"""Friction problems against Siconos: the part ``files`` of ``peers.py``, see there."""
 
 from __future__ import annotations
 

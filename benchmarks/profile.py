@@ -8,7 +8,7 @@ r"""Where the time of shaken scenes goes: step by step, phase by phase, and solv
 
 The first table has the steps: under strong shaking a few of them may cost more than all the others. The second has the phases of a step.
 The third has what each method did: an iteration's time and instructions per contact, and the bytes that it reads at least, the arrays of
-the problem and the factors once, over its time. Beside the bandwidth of the memory that says whether iterations wait for data.
+the problem and the factors once, over its time. Next to the bandwidth of the memory that says whether iterations wait for data.
 
 With ``--steps-only`` the first table is all, a line for each scene. No scene given means SHAKEN. The files that scenes name as records are
 looked for in the folder given; without one, the scenes of SHAKEN that need them are left out.

@@ -64,7 +64,7 @@ def growth(rows: list[dict[str, Any]]) -> str:
 
 
 def options(given: argparse.Namespace) -> list[str]:
-    """Options of each run beside its scene and its steps."""
+    """Options of each run in addition to its scene and its steps."""
     limit = [] if given.max_iterations is None else ["--max-iterations", str(given.max_iterations)]
     return limit + ["--threads", str(given.threads)] + (["--space"] if given.space else [])
 

@@ -6,7 +6,7 @@ r"""Which pulse throws an arch of 17 voussoirs down, by the stiffness of its joi
 
 The arch is that of ``masonry-cd validate arch``. An open bed without tension has its force c / 3 inside its edge, where it touches over
 c = sqrt(2 N / (k_n theta)): an arch on soft joints is a rigid one that is thinner by 2 c / 3. So the table has thinner rigid arches of the
-same axis and weight beside it.
+same axis and weight next to it.
 """
 
 from __future__ import annotations

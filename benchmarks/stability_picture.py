@@ -16,7 +16,7 @@ from reports.drawing.figure import COLOURS, FAINT, INK
 MEASURES = {"drift": "o", "penetration": "s", "balance": "^", "dissipation": "D"}
 LEAST, MOST = 1e-13, 1e4  # shares of a limit beyond these are drawn there
 APART = 0.19  # of the height of a row, between two measures
-MISSED, WORST = 1.33, 1.455  # right ends of the columns beside the verdicts, in widths of the axes
+MISSED, WORST = 1.33, 1.455  # right ends of the columns next to the verdicts, in widths of the axes
 
 
 def draw(outcomes: Sequence[Outcome], path: Path) -> None:

@@ -62,7 +62,7 @@ def process_of(tree: Path) -> Iterator[Tree]:
 
 
 def row(trees: tuple[Tree, Tree], name: str, changes: tuple[Sequence[str], Sequence[str]], repeats: int) -> str:
-    """A line of the table: a scene in both trees, with changes of its keys for each, whose times are the least of so many runs."""
+    """A line of the table: a scene in both trees, with changes of its keys for each, whose times are the least of some runs."""
     best, out = np.full(2, np.inf), [dict[str, Any](), dict[str, Any]()]
     for _ in range(repeats):
         begun = [tree.ask([name, list(own)]) for tree, own in zip(trees, changes, strict=True)]

@@ -3,8 +3,8 @@
 
 python docs/draw_gallery.py --records FOLDER     (with the folder of the records that scenes name, which the program does not have)
 python docs/draw_gallery.py --only arch
-python docs/draw_gallery.py --draw               (the pictures anew, of the runs that are left in out/gallery)
-python docs/draw_gallery.py --page               (the text anew from docs/gallery/measured.json; nothing is run)
+python docs/draw_gallery.py --draw               (the pictures again, of the runs that are left in out/gallery)
+python docs/draw_gallery.py --page               (the text again from docs/gallery/measured.json; nothing is run)
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def page(measured: dict[str, Any]) -> str:
 
 
 def missing(name: str) -> list[str]:
-    """Files that the loads of an example read and that are not beside it."""
+    """Files that the loads of an example read and that are not next to it."""
     loads = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")).get("loads", [])
     return [load["path"] for load in loads if "path" in load and not (EXAMPLES / load["path"]).exists()]
 

@@ -104,7 +104,7 @@ def build(
         assembly: the blocks; without them no load may name one.
         longest: the longest step where it adapts [s].
         ties: tables of kind "tie", with what the structure calls them; nothing is said of each of them.
-        own: what code beside the scene adds.
+        own: what code in addition to the scene adds.
         fills: of the bridges of the structure.
 
     Raises:
@@ -357,7 +357,7 @@ def _turning(parts: Sequence[Part], grid: RunGrid) -> dict[int, Turning]:
 
 
 def _with_rotation(velocity: np.ndarray, of: Sequence[int], turning: Mapping[int, Turning], grid: RunGrid) -> np.ndarray:
-    """Motions (N + 1, S, 6) of which each is that of a support, S, by the velocities (N + 1, S, 3) beside what turning adds."""
+    """Motions (N + 1, S, 6) of which each is that of a support, S, by the velocities (N + 1, S, 3) next to what turning adds."""
     out = np.pad(velocity, ((0, 0), (0, 0), (0, 3)))
     turned = {id(each): each.on(grid) for each in turning.values()}
     for s, block in enumerate(of):

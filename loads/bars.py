@@ -41,7 +41,7 @@ class PointLoad:
     arm: np.ndarray  # (3,) from the centre of mass, body frame [m]
     force: np.ndarray  # (3,) [N]
     factor: np.ndarray  # (N + 1,)
-    moment: np.ndarray | None = None  # (3,) beside that of its arm, world axes [N m]
+    moment: np.ndarray | None = None  # (3,) in addition to that of its arm, world axes [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ class Forces:
         return any(load.moment is not None for load in self.points)
 
     def _moments(self, step: int, ticks: int) -> np.ndarray:
-        """Those of the point loads beside their arms, (P, 3) [N m], as :meth:`acting` takes them."""
+        """Those of the point loads next to their arms, (P, 3) [N m], as :meth:`acting` takes them."""
         of_one = [np.zeros(3) if load.moment is None else load.moment for load in self.points]
         return np.array([load.factor[step : step + ticks].mean() * each for load, each in zip(self.points, of_one, strict=True)])
 
@@ -129,7 +129,7 @@ class Forces:
         return largest
 
     def extended(self, steps: int) -> Forces:
-        """The forces, with point loads that keep their last value for so many more steps."""
+        """The forces, with point loads that keep their last value for a given number of further steps."""
         points = tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points)
         return Forces(points, self.ties, tuple(guide.extended(steps) for guide in self.guides))
 

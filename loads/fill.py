@@ -41,7 +41,7 @@ from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 FAR = 1000.0  # length of the bars [m]: a face that rises by 0.3 m stretches one by 45 um
 FARTHER = 1e5  # of those that press [m]: a stone that falls by 10 m stretches one by 0.5 mm
 DAMPING = 0.05  # of the bars, share of the critical damping
-BESIDE = 1e-3  # [m]: a wall farther than this beside what carries the fill stands beyond it
+BESIDE = 1e-3  # [m]: a wall farther than this from what carries the fill stands beyond it
 LEAST = 1e-6  # of the largest resistance of a face: faces that are all but level have none
 
 

@@ -75,7 +75,7 @@ Motion = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """How the supports turn that a part moves, beside its motion, which then is that of the point."""
+    """How the supports turn that a part moves, next to its motion, which then is that of the point."""
 
     on: Callable[[RunGrid], Turned]
     about: np.ndarray | None = None  # (3,) the point about which they turn, as built, and which moves with them [m]; None: each its centre

@@ -18,7 +18,7 @@ from masonry_cd.mechanics.model.shocks import Pause
 if TYPE_CHECKING:
     from loads import Loading
 
-AFTER = "the loads"  # what such a rest comes after, in words
+AFTER = "the loads"  # what such a rest comes after, as text
 MOVING = 1e-3  # share of its largest speed above which the base counts as moving at the end of the loads
 
 

@@ -13,8 +13,8 @@ with its centre at r from the point about which it turns moves by
 
     v_k = (H_k+1/2 - H_k-1/2) r / h
 
-beside what the point does, the trapezoidal rule of which gives r (H_k+1/2 + H_k-1/2) / 2: short of the circle by (h w)^2 / 8, and not more
-as time goes on.
+in addition to what the point does, the trapezoidal rule of which gives r (H_k+1/2 + H_k-1/2) / 2: short of the circle by (h w)^2 / 8, and
+not more as time goes on.
 """
 
 from __future__ import annotations

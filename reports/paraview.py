@@ -226,7 +226,7 @@ def _put(root: h5py.Group, name: str, values: np.ndarray, frame: int, frames: in
 
 
 def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
-    """A list of one file per time, in a folder beside it."""
+    """A list of one file per time, in a folder next to it."""
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)
     ending, lines = "vtp" if mesh.kind == POLYGON else "vtu", []

@@ -119,7 +119,7 @@ class Report(Table):
 
     @property
     def asks(self) -> bool:
-        """Return True if anything is to be written beside joints.csv."""
+        """Return True if anything is to be written in addition to joints.csv."""
         return bool(self.damage or self.html or self.crack_map or self.vector or self.times or self.animation or self.by_name)
 
 

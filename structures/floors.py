@@ -44,7 +44,7 @@ from structures.schema import HIGH, ArealMass, Height, Length, Place, Table, Thi
 from structures.ties import MODULI, MOST, SPACING, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
 
 KEY = "floors"
-SLIVER = 0.05  # of the thickness of a floor: less than this of a block beside its seat is refused
+SLIVER = 0.05  # of the thickness of a floor: less than this of a block next to its seat is refused
 WEB = 0.1  # least width of what two floors leave of a wall between their seats [m]
 OPPOSITE = 0.999  # cosine of the angle between the normals of two seats in one wall, at least
 ACROSS = 0.7071  # cosine of the angle between a span and the normal of a wall that bears it, at least
@@ -163,7 +163,7 @@ def with_floors(
         places: keys that ask for each; by default those of ``structure.floors``.
 
     Raises:
-        InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers beside a seat: the first fault of each floor;
+        InputError: no wall where a floor is to bear, a seat deeper than its wall, slivers next to a seat: the first fault of each floor;
             and of the anchors of each floor in each wall.
     """
     faults, made, floors = Faults(), list(blocks), list[_Floor]()
@@ -265,10 +265,10 @@ def _spanned(keys: FloorTable, seats: list[Side], where: str) -> list[Side]:
 
 
 def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
-    """The blocks with a floor cut out of them; slivers beside it go to the stones around.
+    """The blocks with a floor cut out of them; slivers next to it go to the stones around.
 
     Raises:
-        InputError: a sliver that no stone beside it can take.
+        InputError: a sliver that no stone next to it can take.
     """
     thin = SLIVER * floor.keys.thickness
     made = with_pockets(blocks, [floor.pocket], thin)
@@ -357,7 +357,7 @@ def _in_wall(solids: Solids, axis: int, reach: Sequence[float]) -> np.ndarray:
 
 
 def _note(floor: _Floor, bars: Sequence[Bar]) -> str:
-    """A floor in words."""
+    """A floor as text."""
     size, tonnes = np.ptp(floor.plan, axis=0), floor.keys.mass * polygon_area(floor.plan) / 1e3
     kind = "rigid" if floor.keys.strips == 1 else f"of {floor.keys.strips} strips"
     count = len({bar.keys["name"] for bar in bars if bar.where == f"{floor.where}.anchors"})

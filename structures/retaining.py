@@ -6,8 +6,8 @@ height z over the bed, overturns about its outer edge or slides on the bed unles
 
     sum(W b) / (K sum(T z)) >= 1,        mu sum(W) / (K sum(T)) >= 1.
 
-Stones beside these count with the part of their length that is over them. The bond, by which a wall leans on what stands beside it, is left
-out, and so is the arch: a wall that does not pass may stand, which a run shows.
+Stones next to these count with the part of their length that is over them. The bond, by which a wall leans on what stands next to it, is
+left out, and so is the arch: a wall that does not pass may stand, which a run shows.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def warnings(assembly: Assembly, fills: Sequence[Fill]) -> list[str]:
 
 
 def weakest_of(assembly: Assembly, fill: Fill) -> list[Weakest]:
-    """The weakest bed of each wall beside a fill, by groups; none where nothing presses."""
+    """The weakest bed of each wall next to a fill, by groups; none where nothing presses."""
     number = {name: b for b, name in enumerate(assembly.names)}
     walls: dict[str, list[FillFace]] = {}
     for face in fill.faces if fill.pressure != "none" else ():

@@ -56,7 +56,7 @@ _POINT: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItem
 
 
 class PlaceTable(Table):
-    """The keys of [[structures]] beside those of a structure."""
+    """The keys of [[structures]] in addition to those of a structure."""
 
     name: str = Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)
     """of letters and digits, put before its blocks and groups"""

@@ -42,7 +42,7 @@ class Standing:
     side: str  # axis that should point upwards where the structure lies on its side: +x, -x, +y or -y; else empty
 
     def warnings(self) -> list[str]:
-        """The doubts in words, a line each."""
+        """The doubts as text, a line each."""
         return in_words(self.loose, self.hanging, self.adrift, self.side)
 
 

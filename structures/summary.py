@@ -96,7 +96,7 @@ def report(blocks: Sequence[Block], links: tuple[Link, ...] = ()) -> dict[str, A
 
 
 def lines(made: Mapping[str, Any]) -> list[str]:
-    """A report in words, a line for each matter."""
+    """A report as text, a line for each matter."""
     x, y, z = (round(c, 6) + 0.0 for c in made["centre_of_mass"])
     small, large = made["smallest"], made["largest"]
     extent = " x ".join(f"{v:.4g}" for v in made["extent"])

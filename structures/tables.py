@@ -21,7 +21,7 @@ Row = TypeVar("Row", bound=Table)
 
 
 class CommonTable(Table):
-    """The keys that every kind of structure takes beside its own."""
+    """The keys that every kind of structure takes in addition to its own."""
 
     most_blocks: int = Field(MOST, ge=1)
     """how many blocks a structure may have; a slip in its measures is refused before it is built"""

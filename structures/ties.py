@@ -317,12 +317,12 @@ def _outermost(solids: Solids, axis: int, through: np.ndarray, allowed: np.ndarr
 
 
 def _line(keys: TieRowTable, place: float) -> str:
-    """A line in words."""
+    """A line as text."""
     return f"the line along {keys.along} at {'yx'[AXES[keys.along]]} = {place:.4g} m, z = {keys.height:.4g} m"
 
 
 def _note(keys: TieRowTable, name: str, bars: Sequence[Bar]) -> str:
-    """A table in words."""
+    """A table as text."""
     count = len({bar.keys["name"] for bar in bars})
     longest = max(math.hypot(*(bar.points[1] - bar.points[0])) for bar in bars)
     held = len({block for bar in bars for block in bar.blocks})

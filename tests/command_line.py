@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 
-commands = cache(main.get_command)  # typer makes all commands anew for each line, which takes longer than most of them
+commands = cache(main.get_command)  # typer makes all commands again for each line, which takes longer than most of them
 
 
 def masonry_cd(*words: object) -> Result:

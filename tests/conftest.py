@@ -36,7 +36,7 @@ settings.load_profile("steady")
 
 @pytest.fixture(scope="session")
 def shared() -> Path:
-    """The folder of reference data beside the checkout; tests that need it skip where it is absent."""
+    """The folder of reference data next to the checkout; tests that need it skip where it is absent."""
     folder = SHARED
     if not folder.is_dir():
         pytest.skip("the reference data are not beside this checkout")

@@ -162,7 +162,7 @@ def command(
 ) -> Callable[[], Any]:
     """A command line: the words of the group and more of them, on the scene of a block on a plate or on ``base``, with other keys.
 
-    Beside the scene lie quake.csv, a file that is text, and the folder ``ran`` of a run of two blocks.
+    Next to the scene lie quake.csv, a file that is text, and the folder ``ran`` of a run of two blocks.
     """
     keys, base = dict(changed_keys or {}), group.get("base")
     if base is None:

@@ -66,7 +66,7 @@ def write_run(
     With ``every``, each state is that of a step, the first of all left out, and only every so many become frames; without it, largest
     drifts and hinges are not noted, as by older versions.
 
-    ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured, ``stress`` (F, B, 6) of the blocks.
+    ``histories`` (F, J) or (F, J, 3) of the joints by name come in addition to those that are measured, ``stress`` (F, B, 6) of the blocks.
     """
     assembly = Assembly.from_blocks(blocks, 0.6)
     joints = find_joints(assembly)

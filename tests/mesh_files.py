@@ -136,7 +136,7 @@ def compas(assembly: bool = True) -> str:
 
 
 def compas_0(assembly: bool = True) -> str:
-    """JSON of COMPAS before 0.16.5, which names no types, and of its assemblies: keys as texts, nodes beside the blocks."""
+    """JSON of COMPAS before 0.16.5, which names no types, and of its assemblies: keys as texts, nodes next to the blocks."""
     meshes = []
     for vertices, faces in SHAPES:
         vertex = {repr(k): dict(zip("xyz", map(float, p), strict=True)) for k, p in enumerate(vertices)}

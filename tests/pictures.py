@@ -34,7 +34,7 @@ def shares(image: np.ndarray, colours: np.ndarray) -> np.ndarray:
 
 
 def main_colours(path: Path, least: int = 20) -> set[str]:
-    """The colours, as ``#rrggbb``, that at least so many pixels have: those of areas, of curves and of letters, not of their soft edges."""
+    """The colours, as ``#rrggbb``, that at least some pixels have: those of areas, of curves and of letters, not of their soft edges."""
     found, count = np.unique(pixels(path).reshape(-1, 3), axis=0, return_counts=True)
     return {"#" + bytes(colour).hex() for colour in found[count >= least]}
 

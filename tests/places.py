@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the checkout is, and what lies in it and beside it."""
+"""Where the checkout is, and what lies in it and next to it."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
-SHARED = ROOT.parent / "shared"  # reference data beside the checkout; tests that need them skip where they are absent
+SHARED = ROOT.parent / "shared"  # reference data next to the checkout; tests that need them skip where they are absent

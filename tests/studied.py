@@ -191,7 +191,7 @@ def dies_once(task: Task) -> Outcome:
 
 
 def waits_for_ever(task: Task) -> Outcome:
-    """Two of the runs never return; other threads of their worker go on, as they do beside the kernels."""
+    """Two of the runs never return; other threads of their worker go on, as they do next to the kernels."""
     if task.name in HANGS:
         Event().wait()
     return Outcome(task.name, _row())

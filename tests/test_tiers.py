@@ -12,7 +12,7 @@ SLOW = '@__import__("pytest").mark.slow(reason="it burns")'
 
 @pytest.fixture
 def tier(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.Pytester:
-    """A folder of tests with the hooks, where numba keeps what it compiles beside them."""
+    """A folder of tests with the hooks, where numba keeps what it compiles next to them."""
     pytester.makeconftest("from tiers import *")
     pytester.makeini("[pytest]\nmarkers = slow: with a reason\naddopts = --strict-markers\n")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(pytester.path))

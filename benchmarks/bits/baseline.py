@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kept results: FILE.json with a hash of each array and the machine that made them; the arrays in a folder FILE beside it."""
+"""The kept results: FILE.json with a hash of each array and the machine that made them; the arrays in a folder FILE next to it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes: a TOML file beside this one each, changes to it, and friction problems of it that are solved by themselves."""
+"""The scenes: a TOML file next to this one each, changes to it, and friction problems of it that are solved by themselves."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def run_case(case: Case, environment: Mapping[str, str] | None = None) -> Arrays
 
     Args:
         case: to be run.
-        environment: variables to run it with, beside those of this process.
+        environment: variables to run it with, in addition to those of this process.
 
     Raises:
         RuntimeError: a command that failed, with its last line.

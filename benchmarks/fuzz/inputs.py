@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Good inputs of every kind, small and quick: what is changed, what lies beside it, and the command that reads it."""
+"""Good inputs of every kind, small and quick: what is changed, what lies next to it, and the command that reads it."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def _problems(nursery: Path) -> Iterator[Subject]:
 
 
 def _former_runs(nursery: Path) -> Iterator[Subject]:
-    """The summary of a run, which reports and comparisons read beside its results."""
+    """The summary of a run, which reports and comparisons read next to its results."""
     files = {
         f"{run}/{name}": (nursery / "dumped" / name).read_bytes() for run in ("dumped", "other") for name in ("result.h5", "summary.json")
     }

@@ -241,7 +241,7 @@ def _array(values: np.ndarray, random: Random) -> np.ndarray:
 
 
 def of_npz(content: bytes, random: Random) -> bytes:
-    """Arrays changed, left out, renamed or exchanged; or compressed anew."""
+    """Arrays changed, left out, renamed or exchanged; or compressed again."""
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     for _ in _some(random):

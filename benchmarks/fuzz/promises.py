@@ -33,7 +33,7 @@ class Outcome:
 
 
 def broken(outcome: Outcome) -> str:
-    """The first promise that a case broke, in words; empty where it kept them all."""
+    """The first promise that a case broke, as text; empty where it kept them all."""
     lines = [line for line in outcome.stderr.split("\n") if line and not NOTES.fullmatch(line)]
     if outcome.code is None:
         return "did not end"

@@ -28,7 +28,7 @@ from benchmarks.fuzz.promises import Outcome
 from structures.files import foreign
 
 COMMANDS = ("build", "record", "solve", "study")  # that leave nothing behind in the process; a run is interrupted by a signal
-PEAK = Path("/proc/self/clear_refs")  # Linux: "5" has the largest resident size measured anew
+PEAK = Path("/proc/self/clear_refs")  # Linux: "5" has the largest resident size measured from there on
 
 
 class Case(NamedTuple):
@@ -161,6 +161,6 @@ def _ended(case: Case, folder: Path) -> Outcome:
 
 
 def _peak() -> float:
-    """The largest resident size of this process since it was asked to be measured anew [B]."""
+    """The largest resident size of this process since it was last reset [B]."""
     lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
     return 1024.0 * next(float(line.split()[1]) for line in lines if line.startswith("VmHWM"))

@@ -19,7 +19,7 @@ from benchmarks.fuzz.promises import Outcome, left_behind
 from masonry_cd.foundation.own_files import LIST
 
 STEPS = 60  # those that warm up included, after which a run is interrupted: a changed duration may ask for a million
-ADDRESSES = 6 * 2**30  # beside those of the parent [B]
+ADDRESSES = 6 * 2**30  # in addition to those of the parent [B]
 LARGEST_FILE = 2**30  # [B]
 WALL = 180.0  # after which a case is stopped [s]
 PROCESSOR = 60  # after which the system stops it [s]
@@ -47,7 +47,7 @@ def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
 
 
 def outcome(folder: Path, aside: Path, before: set[str], output: str, code: int | None, cost: tuple[float, float]) -> Outcome:
-    """How a case ended, by its code, its seconds and bytes, what it said into a folder beside its own, and the files that it left."""
+    """How a case ended, by its code, its seconds and bytes, what it said into a folder next to its own, and the files that it left."""
     temporary = [f"tmp/{path.name}" for path in (aside / "tmp").iterdir() if path.name.startswith("masonry")]
     return Outcome(
         code=code,

@@ -265,7 +265,7 @@ def check_together(guides: Sequence[Guide], assembly: Assembly, wheres: Sequence
 
 
 def counted(guide: Guide) -> str:
-    """How many blocks a guide moves, in words."""
+    """How many blocks a guide moves, as text."""
     return f'"{guide.name}"' if len(guide.blocks) == 1 else f'"{guide.name}" ({len(guide.blocks)} blocks)'
 
 

@@ -40,7 +40,7 @@ class PointTable(LoadTable):
     force: Annotated[Vector, Unit("N"), *FORCE] = (0.0, 0.0, 0.0)
     """A vector; none where there is a moment alone."""
     moment: Annotated[Vector | None, Unit("N m")] = None
-    """A vector in the world axes, which keeps its direction, beside that of the force about the centre of mass."""
+    """A vector in the world axes, which keeps its direction, in addition to that of the force about the centre of mass."""
     point: Annotated[Vector | None, Unit("m")] = None
     """Point of attack, as built, in the world; the centre of mass when not given."""
     start: Instant = 0.0

@@ -10,7 +10,7 @@ A component is a recorded accelerogram, or an artificial one where it names a ``
 
 **Load time and run time.** How long a rest until still takes is only known in the run. So the arrays of loads are laid out in a load
 time in which every such rest has its full length, and say where it lies: a :class:`Pause` from step ``first`` to step ``last``. The run
-loop keeps the step of the load k beside its own, and in a pause, once the structure has been still for ``hold`` steps, goes on at
+loop keeps the step of the load k in addition to its own, and in a pause, once the structure has been still for ``hold`` steps, goes on at
 k = ``last``. Base velocity and acceleration are constant over a pause, so the jump changes nothing but the time that passes. ``last`` of
 the pause after the last shock is the end of the loads, so the run ends there.
 """

@@ -154,10 +154,10 @@ class Strips:
     ends: np.ndarray  # (S, 2) along the road [m]
     depth: np.ndarray  # (S,) [m]
     place: np.ndarray  # (S, 3) where the load of the strip acts, world frame [m]
-    share: np.ndarray  # (S,) of a load on its part of the road that the strip bears, of those that lie beside each other
+    share: np.ndarray  # (S,) of a load on its part of the road that the strip bears, of those that lie next to each other
 
     def weights(self, at: np.ndarray, fill: Fill, contact: float) -> np.ndarray:
-        """Shares (M, S) of loads at M places along the road, none of those off the bridge; the road beside it bears the rest."""
+        """Shares (M, S) of loads at M places along the road, none of those off the bridge; the road next to it bears the rest."""
         low, high = self.ends.T
         before, behind = (float(self.depth[k]) for k in (int(np.argmin(low)), int(np.argmax(high))))
         own = self.share * (_below(high - at[:, None], self.depth, contact, fill) - _below(low - at[:, None], self.depth, contact, fill))
@@ -180,7 +180,7 @@ def _below(x: np.ndarray, depth: np.ndarray | float, contact: float, fill: Fill)
 
 
 def strips_of(fill: Fill, table: VehicleTable) -> Strips:
-    """Cut the faces below the road into strips, and share the wheels of an axle among those beside each other."""
+    """Cut the faces below the road into strips, and share the wheels of an axle among those next to each other."""
     vehicle, rows = table.known, list[tuple[int, np.ndarray, float, np.ndarray, float]]()
     for number, face in enumerate(fill.faces):
         if face.kind in ON:
@@ -228,7 +228,7 @@ def on_bridge(table: VehicleTable, fills: Sequence[Fill], where: str) -> Fill:
     """The bridge on which a vehicle is.
 
     Raises:
-        InputError: there is none, several, or it stands beside the road.
+        InputError: there is none, several, or it stands next to the road.
     """
     fill = _bridge(fills, where)
     _check_road(table, fill, where)
@@ -274,7 +274,7 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     """A vehicle that stands or crosses.
 
     Raises:
-        InputError: no bridge, no place, or one that is beside the road or never on it.
+        InputError: no bridge, no place, or one that is next to the road or never on it.
     """
     fill, loads = _loads(table, grid, where)
     summary = table.facts("name", "offset", "position", "speed", "start")

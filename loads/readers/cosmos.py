@@ -88,7 +88,7 @@ def _channel(source: Source, index: int, announced: re.Match[str], codes: Sequen
 
 
 def _unit(source: Source, index: int, text: str, coded: str | None) -> str | None:
-    """The unit, in words and by its number, which have to agree."""
+    """The unit, as text and by its number, which have to agree."""
     written = WRITTEN.search(text)
     word = written[1].strip() if written else None
     if word and coded and measured_by(word) and measured_by(word) != measured_by(coded):

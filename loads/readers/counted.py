@@ -26,7 +26,7 @@ from loads.readers.wrapped import advances
 
 HEADING = 20  # lines of text above the numbers, at most
 FEWEST = 8  # values
-SHORTEST, LONGEST = 1e-4, 0.2  # [s] of a step that has no word beside it
+SHORTEST, LONGEST = 1e-4, 0.2  # [s] of a step that has no word next to it
 NUMBER = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?(?![\w.])")
 
 

@@ -13,7 +13,7 @@ DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 
 def delimiter_of(source: Source) -> str | None:
-    """The delimiter of a CSV: the one beside which numbers stand in the first lines."""
+    """The delimiter of a CSV: the one next to which numbers stand in the first lines."""
     lines = [line for _, (_, line) in zip(range(PROBE), source.content(), strict=False)]
     for delimiter in DELIMITERS:
         if delimiter == "," and any(len(line.split()) > 1 and all(map(DECIMAL_COMMA.fullmatch, line.split())) for line in lines):

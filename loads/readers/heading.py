@@ -54,7 +54,7 @@ class Heading(NamedTuple):
         return self.source.positive(text, index, beginning)
 
     def check_count(self, beginning: str, values: np.ndarray, times: float = 1.0, place: int | None = None) -> None:
-        """Raise unless there are as many values as a key says, or so many times them."""
+        """Raise unless there are as many values as a key says, or a given number of times them."""
         index, text = self._entry(beginning, place)
         self.source.check_count(values, times * self.source.number(text, index), index)
 

@@ -36,7 +36,7 @@ class Piece(NamedTuple):
     values: np.ndarray  # (n,)
     counts: bool = False  # whole numbers, as a digitiser writes them
     done: tuple[str, ...] = ()  # to the samples since they were recorded, as obspy writes it
-    unit: str | None = None  # as it is written beside them
+    unit: str | None = None  # as it is written next to them
 
 
 def of_traces(traces: Sequence[Any], error: Error) -> list[Piece]:

@@ -120,7 +120,7 @@ class RawRecord:
     unit: str | None  # as written in the file
     name: str = ""  # of the column or component
     column: int | None = None  # its place in a table, counted from 0
-    stated: Stated | None = None  # what the file says the values are, beside their unit
+    stated: Stated | None = None  # what the file says the values are, apart from their unit
     counts: bool = False  # of a digitiser, whose meaning the file does not give
     notes: tuple[str, ...] = ()  # what was done to the samples to read them
 

@@ -52,7 +52,7 @@ def recognises_csv(source: Source) -> bool:
 
 
 def recognises_columns(source: Source) -> bool:
-    """True when one of the first two lines starts with a number, and no delimiter stands beside numbers."""
+    """True when one of the first two lines starts with a number, and no delimiter stands next to numbers."""
     first = [line for _, (_, line) in zip(range(2), source.content(), strict=False)]
     return delimiter_of(source) is None and any(is_number(decimal(line.split()[0], None)) for line in first)
 

@@ -231,7 +231,7 @@ def _bilinear(u: np.ndarray, f: np.ndarray, peak: float, ultimate: float | None)
 
 
 def push_line(push: Push) -> str:
-    """A push of a summary in words."""
+    """A push of a summary as text."""
     if push.peak_force is None:
         return f'push "{push.name}": it has met no force'
     parts = [f"{force(push.peak_force)} at {length(push.peak_displacement)}"]

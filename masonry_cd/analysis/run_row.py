@@ -12,7 +12,7 @@ DONE, FAILED, TIMEOUT = STATES = ("done", "failed", "timeout")
 
 @dataclass(frozen=True)
 class RunRow:
-    """A run: how it ended, and its numbers. In JSON the numbers stand beside the other keys."""
+    """A run: how it ended, and its numbers. In JSON the numbers stand next to the other keys."""
 
     status: str = ""  # one of STATES; empty of a run that is still to be made
     reason: str = ""  # why it is no data

@@ -20,10 +20,10 @@ class Verdict:
     """The outcome of a run, an assessment or a check, how sure it is, and why."""
 
     grade: str  # D1, "D2 to D4", satisfied, "not graded"; empty where none was asked for
-    means: str  # the grade in words; empty where it says all
+    means: str  # the grade as text; empty where it says all
     because: str  # what gives the grade, with its numbers
     sure: str  # good, look, doubtful or unknown
-    words: str  # that in words, with what decides it
+    words: str  # that as text, with what decides it
     why: str  # what decides it, with its numbers; empty where all is good
 
     @property

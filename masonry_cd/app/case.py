@@ -65,7 +65,7 @@ class Case:
     loading: Loading
     steps: int  # of the loads at most: beyond those of the duration where the run waits for its blocks to be still
     still: float  # speed below which a block counts as still at the end [m/s]
-    notes: tuple[str, ...]  # what was changed in making the blocks, in words
+    notes: tuple[str, ...]  # what was changed in making the blocks, as text
     doubts: tuple[str, ...]  # values and blocks that are likely not what is wanted: the verdict on the run has them too
     coarse: tuple[str, ...]  # what the time step is too coarse for; likewise
     aside: tuple[str, ...]  # what changes no result: a machine that is too small
@@ -192,7 +192,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     Args:
         scene: whose tables are checked.
         structure: the scene's, where it is built already.
-        own: what code beside the scene adds to its loads.
+        own: what code in addition to the scene adds to its loads.
 
     Raises:
         InputError: anything wrong with the structure, the material or the loads.
@@ -290,7 +290,7 @@ def _before_events(scene: Scene, events: Sequence[EventTable], assembly: Assembl
 
 
 def acting_too(case: Case, acted: Sequence[Acted]) -> Case:
-    """A case with what code beside the scene adds to its forces: how much of each has acted by a time."""
+    """A case with what code in addition to the scene adds to its forces: how much of each has acted by a time."""
     return replace(case, loading=replace(case.loading, acted=(*case.loading.acted, *acted))) if acted else case
 
 

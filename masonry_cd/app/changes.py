@@ -67,7 +67,7 @@ class Change(Table):
 
     @property
     def words(self) -> str:
-        """The change in words, as in the closing lines."""
+        """The change as text, as in the closing lines."""
         named = (
             ("removes", self.remove), ("adds", self.add), ("releases", self.release), ("cuts", self.cut),
             ("takes out", self.take_out), ("puts in", self.put_in),
@@ -380,7 +380,7 @@ def read_changes(tables: Any) -> list[tuple[Change, str]]:
 
 
 def in_words(change: Change, assembly: Assembly) -> str:
-    """Return a change in words, with the number of blocks in its groups."""
+    """Return a change as text, with the number of blocks in its groups."""
     words = change.words
     for names in (change.remove, change.add):
         if names and (count := int(select(names, assembly, "").sum())) > len(names):

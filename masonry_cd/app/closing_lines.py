@@ -242,7 +242,7 @@ def run_warnings(s: Summary) -> list[str]:
 
 
 def _false_motion(solver: Solver, moved: float) -> list[str]:
-    """That violations of the contact laws are no longer small beside the motion, where they are not."""
+    """That violations of the contact laws are no longer small compared with the motion, where they are not."""
     slip, opening = solver.false_slip_max or 0.0, solver.false_opening_max or 0.0
     if not (solver.false_slip_where and max(slip, opening) > FALSE_SHARE[0] * moved):
         return []

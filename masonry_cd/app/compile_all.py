@@ -27,7 +27,7 @@ def usual_kinds() -> list[SceneKind]:
 
 
 def compile_all(scenes: Sequence[Path]) -> None:
-    """Compile the kernels of the usual kinds of scenes, and those that the structures, loads and checks of some scenes call beside them.
+    """Compile the kernels of the usual kinds of scenes, and those that the structures, loads and checks of some scenes call in addition.
 
     Raises:
         InputError: nothing would be kept, or it would be for another processor than most have; or a scene is wrong.

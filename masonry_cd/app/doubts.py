@@ -126,7 +126,7 @@ def _spoken(found: Sequence[Doubt], quiet: Sequence[str]) -> list[str]:
 
 
 def _line(doubt: Doubt, others: int) -> str:
-    """A doubt in words: ``ag = 0.25 m/s2 is 0.025 g: ...; if g is meant: "0.25 g"; if it is meant so, ...``"""
+    """A doubt as text: ``ag = 0.25 m/s2 is 0.025 g: ...; if g is meant: "0.25 g"; if it is meant so, ...``"""
     said = doubt.words + (f" (and {others} more like it)" if others else "")
     return "; ".join([said, *([doubt.meant] if doubt.meant else []), f'if it is meant so, quiet_checks = ["{doubt.key}"] says so'])
 

@@ -75,7 +75,7 @@ class Condition(Table):
 
     @property
     def words(self) -> str:
-        """The condition in words, as in the closing lines."""
+        """The condition as text, as in the closing lines."""
         bound = f"above {self.above:g}" if self.above is not None else f"below {self.below:g}"
         return f'once {self.quantity} of "{self.gauge}" is {bound}'
 
@@ -103,7 +103,7 @@ class EventTable(Change):
 
     @property
     def cause(self) -> str:
-        """The time or condition of the event, in words."""
+        """The time or condition of the event, as text."""
         return self.when.words if self.when is not None else f"at {self.at:g} s"
 
 

@@ -147,7 +147,7 @@ class Own(NamedTuple):
     """Forces, laws and solvers of code that steps a case itself."""
 
     stepper: Stepper  # at its beginning
-    follow: Callable[[Advance, Advanced], str]  # called after each step; what it returns in words ends the run
+    follow: Callable[[Advance, Advanced], str]  # called after each step; what it returns as text ends the run
     note: str = ""  # for the summary, where the scene alone does not repeat the run
     events: Events | None = None  # and changes of the model
 

@@ -47,7 +47,7 @@ class Plan:
     frame_every: int = 1  # steps of length dt between two frames; the first and the last state are always written
     pauses: Pauses | None = None  # of loads that come as shocks in a row: steps of the loads may be left out
     stress: bool = False  # whether that of blocks and joints is kept
-    follow: Callable[[Advance, Advanced], str] | None = None  # called after each step; what it returns in words ends the run
+    follow: Callable[[Advance, Advanced], str] | None = None  # called after each step; what it returns as text ends the run
     gauges: Gauges | None = None  # what is kept in every step besides
     events: Events | None = None  # that change the model
     reported: Assembly | None = None  # as results have the blocks; None: the stepper's

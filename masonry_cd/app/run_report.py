@@ -15,7 +15,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 
 COUNTS = 1e-6  # false slip from which on it counts, as a share of the smallest width: as overlaps that are left alone
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
-FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
+FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into again
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -34,7 +34,7 @@ class RunReport:
     violation_max: float = 0.0  # of the contact laws in a step, see dynamics/violations.py [m/s]
     false_slip_max: float = 0.0  # that violations have added up to at a contact [m]
     false_opening_max: float = 0.0  # that a violation has left at a contact [m]
-    false_slip_where: str = ""  # in words, of one that COUNTS
+    false_slip_where: str = ""  # as text, of one that COUNTS
     steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
     steps_accepted: int = 0  # those of them whose error the scene accepts
@@ -43,13 +43,13 @@ class RunReport:
     islands_max: int = 0
     sleeping_mean: float = 0.0  # share of the blocks that slept
     penetration_max: float = 0.0  # [m]
-    penetration_where: str = ""  # in words, of one that is DEEP
+    penetration_where: str = ""  # as text, of one that is DEEP
     shortening_max: float = 0.0  # of springs [m]
-    shortening_where: str = ""  # in words, of one that is DEEP
+    shortening_where: str = ""  # as text, of one that is DEEP
     steps_closing: int = 0  # steps missed that left a contact closing, so that overlaps grow
     closing_max: float = 0.0  # fastest of them [m/s]
     closing_seen: float = 0.0  # and of those that were looked into [m/s]
-    jam: str = ""  # in words, what leaves them no solution; empty where nothing is known to
+    jam: str = ""  # as text, what leaves them no solution; empty where nothing is known to
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
     planar: bool = False
@@ -103,7 +103,7 @@ class RunReport:
 
     @property
     def lift_share(self) -> float:
-        """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, beside the balance."""
+        """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, outside the balance."""
         scale = max(self.work_max, self.resolution)
         return abs(self.energy.get("correction", 0.0)) / scale if scale > 0 else 0.0
 
@@ -132,7 +132,7 @@ class RunReport:
         self.base_drift_max = max(self.base_drift_max, drift)
 
     def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float], span: int = 1) -> None:
-        """Take in one step, so many times as long as dt, and the energies after it."""
+        """Take in one step, a given number of times as long as dt, and the energies after it."""
         n = self.steps
         self.steps += 1
         self.stepping_seconds += step.seconds

@@ -2,7 +2,7 @@
 """The JSON schema of the scene file, put together from the tables that read it.
 
 Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, chosen by ``kind``.
-Those of installed packages are among them, so that their modules are imported. The file ``scene.schema.json`` beside this one is what
+Those of installed packages are among them, so that their modules are imported. The file ``scene.schema.json`` next to this one is what
 ``masonry-cd schema`` prints without any.
 """
 

@@ -22,7 +22,7 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
-SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
+SCHEMA = "masonry-cd.schema.json"  # next to the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end
 MATERIAL = {"density": 2200.0, "friction": 0.6}
 LOAD = "sinusoidal"

@@ -44,7 +44,7 @@ class StaticLoads:
     support_velocity: np.ndarray | None
     arms: Arms  # where the point loads act
     notes: tuple[str, ...]
-    masses: PointMasses = field(default_factory=PointMasses.none)  # which a push moves beside the blocks
+    masses: PointMasses = field(default_factory=PointMasses.none)  # which a push moves next to the blocks
 
     @property
     def only_gravity(self) -> bool:

@@ -66,7 +66,7 @@ SELDOM = ("newton", "interior")  # what a run in a plane seldom comes to
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
 KERNELS = {("auto", True): (34, 75.0), ("auto", False): (37, 85.0), ("nlgs", True): (25, 40.0), ("nlgs", False): (25, 45.0)}
-MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
+MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # in addition to these for joint laws by area, stress, blocks that deform, and spheres
 SHARED = 0.55  # of the time that one process takes, where two share the work
 PLAIN_TAKES = 2.0  # times as long takes numba's own njit
 
@@ -244,7 +244,7 @@ def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
 
 
 def _elasticity(planar: bool, strained: int, spheres: bool) -> dict[str, Any]:
-    """Keys of the material of blocks with so many unknowns more than rigid ones have; spheres are rigid, and roll with friction."""
+    """Keys of the material of blocks with some unknowns more than rigid ones have; spheres are rigid, and roll with friction."""
     rolling = {"rolling_friction": 0.01} if spheres else {}
     if strained == 0:
         return rolling

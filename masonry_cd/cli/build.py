@@ -43,7 +43,7 @@ def build(
     """Build the structure of a scene alone.
 
     DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. The fill of a bridge is in
-    blocks.json, and in fill.json beside other formats. Where blocks are refused, problem.png shows which. A building's plan is written as
+    blocks.json, and in fill.json next to other formats. Where blocks are refused, problem.png shows which. A building's plan is written as
     plan.json, to be corrected and read again, and drawn as plan.svg, also where it is refused, then with what is wrong in red;
     plan_left.csv lists what of a drawing was not understood, plan_junctions.csv the junctions and free ends.
 

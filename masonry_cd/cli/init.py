@@ -29,7 +29,7 @@ def init(
 ) -> Result[None]:
     """Write a starter scene of a kind of structure, which runs as it is.
 
-    It names every key with its unit and default; those that a first scene needs are set. masonry-cd.schema.json beside it is for
+    It names every key with its unit and default; those that a first scene needs are set. masonry-cd.schema.json next to it is for
     editors, and the kinds file and solid get a small file of blocks. That of solid is a program of gmsh, so its scene runs with --trust.
 
     \b

@@ -37,7 +37,7 @@ def modal(
     """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
 
     Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
-    A run on elastic joints has its own: with --nscd it swings freely, or is swept with v(t) = C sin(2 pi f t), beside its linear modes.
+    A run on elastic joints has its own: with --nscd it swings freely, or is swept with v(t) = C sin(2 pi f t), next to its linear modes.
 
     \b
     Examples:

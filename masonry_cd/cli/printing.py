@@ -90,7 +90,7 @@ def _numeric_warnings() -> Iterator[list[str]]:
 def errors_reported() -> Iterator[None]:
     """Report errors of the body in one line and set the exit code.
 
-    What numpy says of numbers that the body then refuses helps no user beside that line. Of a body that is done each such warning has a
+    What numpy says of numbers that the body then refuses helps no user next to that line. Of a body that is done each such warning has a
     line: it was not expected, or it were named where it comes up.
     """
     from masonry_cd.foundation.errors import InputError, in_plain_words

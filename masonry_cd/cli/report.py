@@ -32,7 +32,7 @@ def report(
 ) -> Result[Any]:
     """Redo the reports of a run.
 
-    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png anew from
+    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png again from
     result.h5, also for a run that was stopped or killed. Thresholds and grades are those of the scene's [report].
 
     \b

@@ -30,7 +30,7 @@ def validate(
     force: Force = False,
     quiet: Quiet = False,
 ) -> Result[Any]:
-    """Repeat a test of the laboratory page: its scenes, runs, table and curves beside what was measured.
+    """Repeat a test of the laboratory page: its scenes, runs, table and curves against what was measured.
 
     DIR gets a folder for each scene, scene.toml and blocks.json, which are good to start from, with the results of its run;
     table.json, what was measured and what is computed; and curves.svg. Nothing in the scenes is tuned to meet what was measured.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are there whole or not at all: written beside their place, then renamed, so that no kill leaves half of one."""
+"""Files that are there whole or not at all: written next to their place, then renamed, so that no kill leaves half of one."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def cell(value: object, digits: int) -> str:
-    """A value with so many digits; nothing where it is unknown, lists with blanks between."""
+    """A value with a given number of digits; nothing where it is unknown, lists with blanks between."""
     if isinstance(value, (list, tuple)):
         return " ".join(cell(one, digits) for one in value)
     if isinstance(value, float):

@@ -79,7 +79,7 @@ def entry(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     Arguments that are NamedTuples are annotated with their classes.
 
     Args:
-        options: those of ``numba.njit``, beside ``nogil`` and numpy's error model, which all kernels have.
+        options: those of ``numba.njit``, in addition to ``nogil`` and numpy's error model, which all kernels have.
     """
     return partial(_decorated, Entry, options)
 

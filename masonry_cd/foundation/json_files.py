@@ -15,7 +15,7 @@ from masonry_cd.foundation.atomic import replacing
 
 
 def write_json(path: Path, found: object, digits: int = 0) -> None:
-    """Write a file, with so many digits of floats where they are given: a processor that rounds otherwise then writes the same file."""
+    """Write a file, with some digits of floats where they are given: a processor that rounds otherwise then writes the same file."""
     with replacing(path) as part:
         part.write_text(as_json(found, digits), encoding="utf-8")
 

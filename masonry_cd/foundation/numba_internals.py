@@ -58,7 +58,7 @@ def compile_entry(function: FunctionType, options: dict[str, Any], entry: str, t
         function: to be compiled.
         options: those of ``numba.njit``.
         entry: name in the store.
-        target: what it is compiled for, in words.
+        target: what it is compiled for, as text.
     """
     compiled = _dispatcher(function, options, _Pipeline)
     compiled._cache = Kept(entry, function, f"{target} {sorted(map(str, options.items()))}")
@@ -79,7 +79,7 @@ class Kept:
     Args:
         entry: name in the store.
         function: that is compiled.
-        target: what it is compiled for, and with which options, in words.
+        target: what it is compiled for, and with which options, as text.
     """
 
     def __init__(self, entry: str, function: FunctionType, target: str) -> None:

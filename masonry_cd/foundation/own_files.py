@@ -5,10 +5,10 @@ A folder of results has a list, ``.masonry-cd``, a line for each file at the mom
 
     size [B]  digest  name
 
-The digest is SHA-256 of the size and of the first and the last ``PIECE`` bytes, so that it costs nothing beside the writing; a file that
-is written for as long as a run goes has ``-`` for both, and is recognised by its name. Lines are appended before the file gets its name,
-so that no kill leaves a file that is not listed. A file that somebody has edited since is theirs. Folders of earlier versions have no list:
-the caller says what proves whose they are.
+The digest is SHA-256 of the size and of the first and the last ``PIECE`` bytes, so that it costs nothing compared with the writing; a file
+that is written for as long as a run goes has ``-`` for both, and is recognised by its name. Lines are appended before the file gets its
+name, so that no kill leaves a file that is not listed. A file that somebody has edited since is theirs. Folders of earlier versions have no
+list: the caller says what proves whose they are.
 """
 
 from __future__ import annotations

@@ -10,11 +10,11 @@ from pathlib import Path
 from masonry_cd.foundation.errors import InputError
 
 PACKAGES = ("structures", "loads", "reports")
-HOME = Path(__file__).resolve().parents[2]  # the folder that holds masonry_cd and the packages beside it
+HOME = Path(__file__).resolve().parents[2]  # the folder that holds masonry_cd and the packages next to it
 
 
 def require_own_packages() -> None:
-    """Check where Python finds the packages beside masonry_cd; nothing is imported.
+    """Check where Python finds the packages next to masonry_cd; nothing is imported.
 
     Raises:
         InputError: names the file that hides one, and the remedy.

@@ -12,7 +12,7 @@
 
 The kinds of the program itself are found by their place (:mod:`masonry_cd.foundation.extensions`) and asked first: metadata of packages are
 looked at only for a name that is not among them, and a package is imported only where a scene names what it adds. A kind of structure or
-load may also be in a file beside the scene, ``kind = "my_file.py:name"``, which runs where the command line says --trust.
+load may also be in a file next to the scene, ``kind = "my_file.py:name"``, which runs where the command line says --trust.
 """
 
 from __future__ import annotations

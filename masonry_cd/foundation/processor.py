@@ -22,7 +22,7 @@ import numba
 
 SWITCH = "MASONRY_CD_NATIVE"  # environment variable: whether to compile for this very processor
 NAME = "x86-64-v3"
-FEATURES = ("avx2", "fma", "bmi", "bmi2", "f16c", "lzcnt", "movbe")  # beside those that come with them
+FEATURES = ("avx2", "fma", "bmi", "bmi2", "f16c", "lzcnt", "movbe")  # in addition to those that come with them
 
 
 def choose() -> None:

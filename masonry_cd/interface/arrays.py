@@ -3,7 +3,7 @@
 
 The blocks of a structure become a block file (:mod:`structures.files.blockfile`), each base motion a table of numbers
 (:mod:`loads.readers.tables`), with every digit of their numbers. So there is one way by which geometry and motion enter a run, with one set
-of checks, and what a run was made of lies beside its results as files that the command line reads as well.
+of checks, and what a run was made of lies next to its results as files that the command line reads as well.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block
 
 BLOCKS = "blocks"  # key of [structure] that takes arrays
-FIXED = "fixed"  # key beside it: names of the supports
+FIXED = "fixed"  # key next to it: names of the supports
 TIME, CHANNELS = "time", "channels"  # keys of a record in Python: its times, and names of the components that follow
 MOTION = {"acceleration": "m_s2", "velocity": "m_s", "displacement": "m"}  # what it may be of, and the SI unit as a heading has it
 AXES = "xyz"

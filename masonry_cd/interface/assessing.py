@@ -133,7 +133,7 @@ def assess(
         workers: processes of this machine; all cores when not given.
         progress: say on standard error how far it is.
         retry: make runs again that failed or ran out of time.
-        force: begin anew, whatever the folder holds.
+        force: begin again, whatever the folder holds.
 
     Runs are made in processes of their own; a script needs no guard for them. Ctrl-C ends it: what is returned holds the runs that have
     ended, and the same call continues it. Warnings are shown as :class:`RunWarning`.

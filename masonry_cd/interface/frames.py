@@ -69,7 +69,7 @@ class Frames:
         self._take(stepper, self._measured.now())
 
     def after_step(self, stepper: Stepper, done: bool) -> None:
-        """Keep a frame where one is due, or the run has ended. Joints are measured each step: those of blocks put in count anew."""
+        """Keep a frame where one is due, or the run has ended. Joints are measured each step: those of blocks put in count again."""
         now = self._measured.now()
         if done or stepper.motion.ticks % self._every == 0:
             self._take(stepper, now)

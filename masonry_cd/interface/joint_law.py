@@ -9,8 +9,8 @@ carries a point to where block b does, and n, t1, t2 carried by a,
 
 the stresses s from the law, tension positive. The opposite acts on a at the same place, so momentum is kept.
 
-**Limits.** The law comes beside contact and friction, which stay: it can bind, drag, damp and soften, and cannot make a joint shorten. It
-acts on joints as built, wherever their blocks go, and from the first step on: elastic joints settle without it. It is explicit: with the
+**Limits.** The law comes on top of contact and friction, which stay: it can bind, drag, damp and soften, and cannot make a joint shorten.
+It acts on joints as built, wherever their blocks go, and from the first step on: elastic joints settle without it. It is explicit: with the
 largest stiffness k of the law, a step is refused that is longer than
 
     2 / omega,      omega^2 = 2 max over the blocks of the sum over their points of k A_k (1 / m + r_k^2 / I_least).

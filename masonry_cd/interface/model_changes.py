@@ -98,7 +98,7 @@ class ModelChanges:
             item.blocks_changed(absent)
 
     def _changes_of_python(self) -> list[Mapping[str, Any]]:
-        """As tables, beside those of the scene."""
+        """As tables, in addition to those of the scene."""
         known: Sequence[tuple[Change, str]] = self._changed.changes.known[len(self._changed.tables) :]
         return [change.model_dump(mode="json", exclude_none=True) for change, _ in known]
 

@@ -44,7 +44,7 @@ class Force:
 
     Attributes:
         history: of the force (3,) [N], or of force and moment (6,) [N, N m], in the world axes: a function of time [s], or times (N,) and
-            values (N, 3 or 6). The moment is beside that of the force about the centre of mass.
+            values (N, 3 or 6). The moment is in addition to that of the force about the centre of mass.
         at: the point of attack as built, in the world, which moves with the block (3,) [m]; the centre of mass when not given.
     """
 
@@ -58,7 +58,7 @@ class Pushes(NamedTuple):
     block: np.ndarray  # (N,)
     force: np.ndarray  # (N, 3) [N]
     arm: np.ndarray  # (N, 3) from the centre of mass [m]
-    moment: np.ndarray | None = None  # (N, 3) beside those of the arms [N m]; None: there are none
+    moment: np.ndarray | None = None  # (N, 3) in addition to those of the arms [N m]; None: there are none
 
     @classmethod
     def of(cls, block: np.ndarray, wrench: np.ndarray, arm: np.ndarray) -> Pushes:
@@ -187,7 +187,7 @@ class Field(Pushing):
 
 @dataclass(eq=False)
 class OwnForces:
-    """The forces of a scene's loads, and beside them own ones: in the shape in which the step asks for forces.
+    """The forces of a scene's loads, and own ones with them: in the shape in which the step asks for forces.
 
     ``axis`` is that across the plane in which the scene is solved, -1 in space; known once there is a stepper.
     """
@@ -256,7 +256,7 @@ class OwnForces:
         base = 0.0 if self.base is None else self.base.spread(step, ticks, assembly)
         if self.last is None or not self.own:
             return base
-        total = np.zeros((2, ticks, assembly.count, 3))  # forces, and moments beside those of arms
+        total = np.zeros((2, ticks, assembly.count, 3))  # forces, and moments in addition to those of arms
         for k in range(ticks):
             for item in self._pushes(self.last._replace(time=(step - 0.5 + k) * self.dt)):
                 for kind, each in enumerate((item.force, item.moment)):

@@ -3,8 +3,8 @@
 
 A scene in Python is what the command line makes of a scene file: a checked text. One that is *of a file* keeps the file's text, its
 changes are those of ``--set``, and its relative paths begin where the file lies. One *made in Python* is written as TOML; its arrays become
-files beside that text (:mod:`masonry_cd.interface.arrays`), in a temporary folder at first and in that of each run of it, where the text is
-scene.toml. Other files that it names are named by their full paths, so that it may be run anywhere.
+files next to that text (:mod:`masonry_cd.interface.arrays`), in a temporary folder at first and in that of each run of it, where the text
+is scene.toml. Other files that it names are named by their full paths, so that it may be run anywhere.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ class Scene(Sealed):
         return self.structure.picture(self.title, view)
 
     def write(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
-        """Write the scene as a file that the command line takes, and beside it the files that hold its arrays; return its path.
+        """Write the scene as a file that the command line takes, and next to it the files that hold its arrays; return its path.
 
         Args:
             path: of the scene file.
@@ -239,11 +239,11 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
 
     ``structure`` may be a list of blocks, or a table with one under ``blocks``: each a pair of vertices (V, 3) [m] and faces (loops of
     indices from zero, counter-clockwise seen from outside), a dict with the keys name, vertices, faces, density, group and fixed, a
-    :class:`masonry_cd.Block`, or an object that has vertices and faces, of trimesh, pyvista, COMPAS or another program; ``fixed`` beside
+    :class:`masonry_cd.Block`, or an object that has vertices and faces, of trimesh, pyvista, COMPAS or another program; ``fixed`` next to
     them names the supports, ``*`` standing for anything. A table of ``loads`` of kind "record", or a component of a shock, may hold
     ``time`` (N,) [s] and ``acceleration`` (N,) or (N, 1 to 3) [m/s2], or ``velocity`` [m/s] or ``displacement`` [m], or a function of time
     that gives a row of it, of one component along its ``direction`` or of several along x, y and z; ``channels`` names them ("HNE"). The
-    keys of a record (``correction``, ``scale``, ``taper`` ...) stand beside them, and it is treated and judged as a record is.
+    keys of a record (``correction``, ``scale``, ``taper`` ...) stand next to them, and it is treated and judged as a record is.
 
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a value out of range; the words are those of the command line.

@@ -49,14 +49,15 @@ class Simulation(Copies):
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of.
-        forces: beside those of the scene's loads: a dict of forces on single blocks by name, each a function of time that gives (3,) [N],
+        forces: in addition to those of the scene's loads: a dict of forces on single blocks by name, each a function of time that gives
+        (3,) [N],
             or (6,) with the moment about the centre of mass [N m], or a pair of arrays, times (N,) [s] and values, or a
             :class:`masonry_cd.Force` with its point; or a field, a function ``f(now)`` of
             :class:`masonry_cd.interface.own_forces.Now` that gives (B, 3 or 6); or a list of such.
         motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or (6,) with the angular one
             [rad/s], or a pair of arrays, times and values, or a :class:`masonry_cd.Motion`. On top of what the loads do to all supports.
         velocities: that free blocks begin with, by name: (3,) [m/s], or (6,) with the angular ones [rad/s].
-        law: of the joints, beside contact and friction; or the name of one that an installed package adds.
+        law: of the joints, in addition to contact and friction; or the name of one that an installed package adds.
         friction: a function ``f(contacts)`` of :class:`masonry_cd.mechanics.dynamics.own_friction.SlidingContacts` that gives the
             coefficients (C,) of a step, as by slip rate, pressure or direction of the joint; those of the scene when not given.
         solver: of the friction problems of the steps, ``f(problem, options, start)`` as in :mod:`masonry_cd.mechanics.solvers.by_name`, in
@@ -64,7 +65,7 @@ class Simulation(Copies):
         waiting: blocks or groups of the scene that are not there before :meth:`add` puts them in.
 
     Raises:
-        InputError: anything wrong with the scene, or with what is given beside it; ``friction`` where joints have cohesion, whose cone the
+        InputError: anything wrong with the scene, or with what is given next to it; ``friction`` where joints have cohesion, whose cone the
             coefficient of the scene fixes.
 
     >>> import masonry_cd as mc

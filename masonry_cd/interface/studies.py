@@ -186,7 +186,7 @@ def study(
         slurm: a file for workers as jobs of Slurm, in their place.
         progress: say on standard error how far it is.
         retry: make runs again that failed or ran out of time.
-        force: begin anew, whatever the folder holds.
+        force: begin again, whatever the folder holds.
 
     Everything is checked before anything runs. Runs are made in processes of their own; a script needs no guard for them. Ctrl-C, or the
     button that interrupts a notebook, ends the study: what is returned holds the runs that have ended, ``stopped`` says how many, and the

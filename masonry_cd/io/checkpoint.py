@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checkpoints: all that a run needs to go on to the bit as if it had not been stopped.
 
-``checkpoint.npz`` lies beside result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it
+``checkpoint.npz`` lies next to result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it
 is kept as ``checkpoint_before.npz``. It says how many rows of result.h5 belong to it, with a mark that distinguishes these from others;
 what the file holds beyond them is computed again. A checksum detects a damaged one.
 """
@@ -22,7 +22,7 @@ from masonry_cd.foundation.errors import InputError, in_a_line
 from masonry_cd.foundation.files import size_of_regular
 
 NAME = "checkpoint.npz"
-FORMAT = 14  # of what a stepper writes and of the results beside it; raised when what they hold changes
+FORMAT = 14  # of what a stepper writes and of the results next to it; raised when what they hold changes
 Check = Callable[[dict[str, np.ndarray], dict[str, Any]], None]
 NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
 

@@ -7,7 +7,7 @@ own .npz (G, g, mus) holds W and q by rows (t1, t2, n). Format and collection: A
 discrete 3D frictional contact problems", 2014.
 
 A global problem whose M has one block per body, and whose contacts touch two bodies at most, is read as a problem over bodies. Elastic
-contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W beside it, as that of
+contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W next to it, as that of
 every local problem, contains it. FCLIB has a place for it in local problems only. Sparse matrices in FCLIB follow CSparse: ``nz`` counts
 the entries of a list of triplets, -1 says compressed columns, -2 compressed rows.
 """

@@ -195,11 +195,11 @@ def _check_lists(path: Path, found: Mapping[str, np.ndarray], lists: tuple[tuple
 
 
 def _indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
-    """Check indices into something of so many entries."""
+    """Check indices into something of a given number of entries."""
     if (indices < 0).any() or (indices >= count).any():
         raise InputError(path, f"{name} points beyond what there is")
 
 
 def _described(one: Dataset) -> str:
-    """Numbers and their shape in words."""
+    """Numbers and their shape as text."""
     return f"{KINDS.get(one.kind, 'bytes')}, {' x '.join(map(str, one.shape))}"

@@ -346,5 +346,5 @@ class Results:
 
     @property
     def scene_file(self) -> Path:
-        """Where the scene file lay when the run began, as seen from here; older versions did not write it: then beside the results."""
+        """Where the scene file lay when the run began, as seen from here; older versions did not write it: then next to the results."""
         return self.path.parent / str(self.file.attrs.get("scene_file", "") or "scene.toml")

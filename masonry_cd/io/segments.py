@@ -13,7 +13,7 @@ rows are written, a row follows in each of
 
 Rows beyond the last seal do not count: a kill came between. Results hold up to the last segment before the first that does not fit. What
 does not grow, with the attributes, has one SHA-256. Chunks with HDF5's own checksums would not do: a kill in the middle of writing one
-anew would take the good rows in it along, and a chunk of zeros passes them.
+again would take the good rows in it along, and a chunk of zeros passes them.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Sealer:
             self._group[name] = np.array([found], dtype=np.uint32)
 
     def move_to(self, file: h5py.File) -> None:
-        """Go on in the same file, opened anew."""
+        """Go on in the same file, opened again."""
         self._group = file[GROUP]
 
     def take(self, name: str, rows: np.ndarray) -> None:

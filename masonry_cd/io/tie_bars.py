@@ -42,7 +42,7 @@ def as_text(bars: Sequence[TieBar]) -> str:
 
 
 def read_bars(file: h5py.File, blocks: int) -> tuple[TieBar, ...]:
-    """The bars of a result file of so many blocks; none where it has no ties.
+    """The bars of a result file of a given number of blocks; none where it has no ties.
 
     Raises:
         InputError: they are not what a run writes.

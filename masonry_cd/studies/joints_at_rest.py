@@ -19,7 +19,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 PRESSED = 1e-6  # normal impulse from which on a contact acts, as a share of the largest: below lies what solving leaves
 CLOSED = 0.999  # share of the area from which on a joint counts as closed
-LISTED = 12  # joints that are named in words, those with the least left
+LISTED = 12  # joints that are named, those with the least left
 
 
 class JointAtRest(NamedTuple):
@@ -35,7 +35,7 @@ class JointAtRest(NamedTuple):
 
     @property
     def line(self) -> str:
-        """In words."""
+        """As text."""
         state = "open" if self.share_left == 0.0 else f"{100 * self.share_left:.0f} % of its area left"
         return f'  joint {self.joint}, "{self.block_a}" and "{self.block_b}": {state}, {self.points_left} of {self.points} contact points'
 
@@ -80,7 +80,7 @@ def at_rest_summary(rows: Sequence[JointAtRest]) -> dict[str, Any]:
 
 
 def at_rest_lines(found: dict[str, Any]) -> list[str]:
-    """Joints that are not closed, in words; nothing where all are."""
+    """Joints that are not closed, as text; nothing where all are."""
     if not found["not_closed"]:
         return []
     joints, left = counted(found["joints"], "joint"), f"{100 * found['share_left']:.0f} %"

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""The model of a run itself in small vibration, beside the modes of rigid blocks on the same elastic joints.
+r"""The model of a run itself in small vibration, against the modes of rigid blocks on the same elastic joints.
 
 A run whose joints are elastic has frequencies of its own. Two ways to find them, both from the state at rest under the weight:
 
     free     every mode gets a small kick, 1/1000 g / omega_i; its coordinate q_i = phi_i^T M x of the run's displacements x(t)
              swings at the frequency of the run, read from the peak of its spectrum
     sweep    the base moves by v(t) = C sin(2 pi f t), one run per frequency; the largest displacement of a block relative to the base
-             over the last cycles, beside that of the linear modes with the numerical damping of the joints
+             over the last cycles, against that of the linear modes with the numerical damping of the joints
 
 The run opens joints that are neither bonded nor pressed together; the linear model never does. So where they differ in small vibration,
 joints without compression are at work, and in a strong one opening and sliding: the peak bends to lower frequencies.
@@ -92,7 +92,7 @@ class ModeRow(NamedTuple):
 
     @property
     def line(self) -> str:
-        """In words, below the head of the table."""
+        """As text, below the head of the table."""
         return f"  {self.mode:4d}  {self.nscd_hz:11.4f}  {self.linear_hz:12.4f}  {self.difference_percent:+9.2f} %"
 
 
@@ -180,7 +180,7 @@ def linear_modes(assembly: Assembly, count: int) -> Companion:
 
 
 def free_vibration(assembly: Assembly, settings: Run, companion: Companion, count: int) -> list[ModeRow]:
-    """Frequencies of the run beside those of the linear modes, one row for each of the first ``count`` modes."""
+    """Frequencies of the run against those of the linear modes, one row for each of the first ``count`` modes."""
     frequencies, gravity = companion.frequencies[:count], _gravity(settings)
     dt = min(settings.dt, 1.0 / (STEPS * float(frequencies[-1])))
     steps = int(np.ceil(PERIODS / (float(frequencies[0]) * dt)))
@@ -240,7 +240,7 @@ def _swept(assembly: Assembly, scene: Scene, companion: Companion, asked: Vibrat
 
 
 def _sweep_line(swept: Mapping[str, Any]) -> str:
-    """The outcome of a sweep in words."""
+    """The outcome of a sweep as text."""
     own, linear = (max(swept["sweep"], key=itemgetter(name)) for name in ("nscd_ratio", "linear_ratio"))
     return (
         f"sweep along {swept['direction']} with C {swept['velocity']:.3g} m/s: block {swept['block']} moves most at "

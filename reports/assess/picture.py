@@ -22,7 +22,7 @@ HEIGHT = 0.46  # of a bar, in rows
 ROW, ABOVE, PANEL = 0.62, 1.1, 5.0  # [inches]: height of a row, of what else a panel needs, and its width
 BESIDE = 3  # panels side by side at most
 LETTER = 0.0165  # width of a letter of a level's name, as a share of a panel's
-ROOM = 0.14  # beside the bars, as a share of their range
+ROOM = 0.14  # next to the bars, as a share of their range
 
 
 def tornado(found: Assessment, path: Path) -> None:
@@ -64,7 +64,7 @@ def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, fir
 
 
 def _limits(axes: Any, found: Assessment, answer: Answer) -> tuple[float, float]:
-    """Set the ends of an axis, so that names of levels have a place beside the bars."""
+    """Set the ends of an axis, so that names of levels have a place next to the bars."""
     low, high = (answer.factor * value for value in found.range(answer))
     if answer == GRADE:
         axes.set_xticks(range(len(NAMES)), NAMES)

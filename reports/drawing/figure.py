@@ -2,7 +2,7 @@
 """The sheet around a drawn model: title, facts, scale bar and keys, all outside the model's own area.
 
 Sizes are in pixels and one figure pixel is one image pixel, so that the scale bar is exact. Wide models have their keys below,
-tall ones beside them.
+tall ones next to them.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ MARGIN = 40
 TITLE = 118  # height of title and facts
 FACTS = ((14.0, 2), (12.0, 3), (10.5, 4))  # sizes of the letters of facts [points], and the lines that fit below the title
 STRIP = 220  # height of the keys below, with their margins
-COLUMN = 430  # width of the keys beside
-TRIAD = 80.0  # width of the axes beside a scale bar
+COLUMN = 430  # width of the keys at the side
+TRIAD = 80.0  # width of the axes next to a scale bar
 LABELLED = 12  # ties; of more, those that pull most
 SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
 INK, FAINT, COLOURS = palette.INK, palette.FAINT, palette.CURVES
@@ -60,7 +60,7 @@ class Layout:
         return self.model[2], self.model[3]
 
     def keys(self, wide: Sequence[int]) -> list[Box]:
-        """Boxes (left, bottom, width, height) of the panels of a key, which take so many places side by side, at most two above another."""
+        """Boxes (left, bottom, width, height) of the panels of a key, which take some places side by side, at most two above another."""
         left, bottom, width, height = self.model
         places = [min(n, 2) if self.beside else n for n in wide]
         first = np.concatenate([[0], np.cumsum(places)])
@@ -249,7 +249,7 @@ class Sheet:
             axes.text(0, top - 10 - PITCH * len(rows) - 24 * k, line, fontsize=12, color=INK, va="center")
 
     def pixels(self, under: np.ndarray | None = None) -> np.ndarray:
-        """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie beside its own."""
+        """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie next to its own."""
         self.figure.canvas.draw()
         out = np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
         if under is not None:
@@ -272,7 +272,7 @@ def triad(axes: Any, view: View, place: tuple[float, float], size: float = 26.0)
 
 
 def label_ties(axes: Any, scene: Scene) -> None:
-    """The labels of its ties, of many those that pull most, beside their middles."""
+    """The labels of its ties, of many those that pull most, next to their middles."""
     ties = ties_of(scene)
     for i in [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]:
         flat, colour = scene.view.plane(ties.ends[i]), palette.PULLING if ties.tension[i] > 0.0 else FAINT

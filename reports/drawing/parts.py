@@ -145,7 +145,7 @@ Layer = Surface | Lines
 
 @dataclass(frozen=True, eq=False)
 class Ties:
-    """T ties, drawn before everything else with their tension beside their middle."""
+    """T ties, drawn before everything else with their tension next to their middle."""
 
     ends: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 3)))  # (T, 2, 3) [m]
     texts: tuple[str, ...] = ()  # of their labels

@@ -34,7 +34,7 @@ def render(scene: Scene, pixels: tuple[int, int], samples: int | None = None) ->
 
 
 class Canvas:
-    """A picture of a size that is drawn anew as often as needed: opening OpenGL takes longer than to draw. Use it as a context manager.
+    """A picture of a size that is drawn again as often as needed: opening OpenGL takes longer than to draw. Use it as a context manager.
 
     Raises:
         InputError: no off-screen OpenGL; names the packages that bring it.
@@ -105,7 +105,7 @@ def require_context() -> None:
 
 
 def _light(plotter: Any, view: View) -> None:
-    """Lights that keep their place beside the viewer, so that every view is lit alike."""
+    """Lights that keep their place at the viewer's side, so that every view is lit alike."""
     import pyvista
 
     for (right, up, towards), strength in LIGHTS:

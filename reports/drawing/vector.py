@@ -24,7 +24,7 @@ from reports.drawing.scene import Scene, cut_layers, joint_layers, tie_layers, t
 
 OUTLINE = 0.55  # width of the edges of blocks [points]
 POINT = 0.72 / 2.0  # points of a line that is a pixel of the sampled image wide
-NEAR = 1e-3  # how far beside a joint it is asked what covers it, as a share of the joint's extent
+NEAR = 1e-3  # how far next to a joint it is asked what covers it, as a share of the joint's extent
 CAPS, TRACES, LAST = 1.0, 2.0, 3.0  # ranks behind that of the last block: of caps, of joints in the plane, of what is before everything
 
 

@@ -54,8 +54,8 @@ class Subject:
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
     ties: Ties
     fill: Surface | None  # of bridges, where it is drawn
-    provisional: str = ""  # of the last frame: why it is not the end, in words
-    suffered: str = ""  # of the last frame: the damage over all steps, in words
+    provisional: str = ""  # of the last frame: why it is not the end, as text
+    suffered: str = ""  # of the last frame: the damage over all steps, as text
 
     @classmethod
     def of(cls, results: Results, frame: int, framed: Framing) -> Subject:

@@ -78,7 +78,7 @@ class Pressed:
         return StressScale(max(float(np.nan_to_num(values).max(initial=0.0)) for values in (self.peaks.compression, elements)))
 
     def largest(self, results: Results) -> tuple[float, str]:
-        """The largest compression that is drawn [Pa], and in what, in words; NaN before the first step."""
+        """The largest compression that is drawn [Pa], and in what, as text; NaN before the first step."""
         values, places = self.compression, [block.name for block in results.blocks]
         if self.of_elements is not None and self.element_peaks is not None:
             owner = self.element_peaks.block

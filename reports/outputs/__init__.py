@@ -112,7 +112,7 @@ def write_page(results: Results, path: Path, settings: Report, summary: Summary,
 
 
 def write_asked(results: Results, folder: Path, settings: Report, summary: Summary) -> Summary:
-    """Write the outputs that a scene asks for, beside joints.csv; return the summary with what they add."""
+    """Write the outputs that a scene asks for, in addition to joints.csv; return the summary with what they add."""
     job = Job(results, folder, settings, summary)
     job.write()
     return job.summary

@@ -6,7 +6,7 @@
 
 The losses lie on top of each other, so that their upper edge should follow the line of what was put in; the balance, what is left over, has
 a panel of its own as a share of the largest work. The work of gravity is taken without the lifts that take overlaps away (a correction of
-positions, not of velocities): what these put in is drawn beside it, where there are any.
+positions, not of velocities): what these put in is drawn next to it, where there are any.
 """
 
 from __future__ import annotations

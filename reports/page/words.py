@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The case in words and numbers: what stands, what shook it, what came of it, and how well it was computed."""
+"""The case as text and numbers: what stands, what shook it, what came of it, and how well it was computed."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class PageContext:
 
     @property
     def provisional(self) -> str:
-        """Why residual values are not the last, in words."""
+        """Why residual values are not the last, as text."""
         return self.end.provisional
 
     @cached_property
@@ -118,7 +118,7 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float, unit: str = "", digits: int = 4) -> str:
-    """So many digits at most, powers of ten as such."""
+    """A given number of digits at most, powers of ten as such."""
     if not np.isfinite(value):
         return "unknown"
     text = f"{float(f'{value:.{digits}g}'):.4g}"

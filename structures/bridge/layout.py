@@ -31,7 +31,7 @@ class Support:
     foot: float  # z [m]
     before: Profile | None  # the arch that ends on it; None of a left abutment
     after: Profile | None  # that begins on it
-    shelf: float = 0.0  # of a pier that goes on beside its lower springing: depth of the bed on which a wall stands there, at most [m]
+    shelf: float = 0.0  # of a pier that goes on next to its lower springing: depth of the bed on which a wall stands there, at most [m]
 
     @property
     def seats(self) -> tuple[np.ndarray, np.ndarray]:

@@ -110,9 +110,9 @@ def steep(line: np.ndarray) -> bool:
 
 
 def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
-    """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it beside a steep one.
+    """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it next to a steep one.
 
-    It steps where the pier goes on beside its lower springing.
+    It steps where the pier goes on next to its lower springing.
     """
     first, last = support.seats
     middle, level = support.split, 0.5 * float(first[1] + last[1])
@@ -170,7 +170,7 @@ def _backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]
 
 
 def _feet(layout: Layout, density: float) -> list[Block]:
-    """A fixed slab under each support of blocks, up to the middle of the spans beside it."""
+    """A fixed slab under each support of blocks, up to the middle of the spans next to it."""
     found, margin = list[Block](), 0.5 * (layout.deck - min(support.foot for support in layout.supports))
     for i, support in enumerate(layout.supports):
         if support.keys.rigid:

@@ -66,7 +66,7 @@ class Half:
 
     @property
     def slopes(self) -> bool:
-        """Return True if the top of its support is not level; the extrados beside it is then a flat one."""
+        """Return True if the top of its support is not level; the extrados next to it is then a flat one."""
         return abs(self.top - float(self.corners[0, 1])) > SAME
 
     @property

@@ -68,7 +68,7 @@ def _rows(layout: Layout, low: float, high: float, start: float, end: float, cou
 
 
 def _foot(support: Support) -> float:
-    """Where a wing wall stands: on the level of a fixed abutment, or beside one of blocks on its foot [m]."""
+    """Where a wing wall stands: on the level of a fixed abutment, or next to one of blocks on its foot [m]."""
     return support.springing if support.keys.rigid else support.foot
 
 

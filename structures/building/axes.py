@@ -30,7 +30,7 @@ DIGITS = 9  # of the height of a top [m]: beds have as many, and a top that roun
 THINNEST = 1e-3  # wall [m]
 AT_END = 1e-3  # a place of a top this close to an end of its wall is at the end [m]
 LEAST_CHORD = 1.2  # of a facet of an arc, in thicknesses
-JAMB = 0.12  # of a facet beside the head of its opening, at least [m]
+JAMB = 0.12  # of a facet next to the head of its opening, at least [m]
 INNER = 0.12  # by how much of the thickness its inner face is shorter at each end
 
 
@@ -296,7 +296,7 @@ def _breaks(total: float, radius: float, stretches: Sequence[Span], thickness: f
     breaks: list[float] = []
     for (_, low), (high, end) in pairwise(fixed):
         gap = high - low
-        if gap < 0.6 * thickness:  # too short for a facet: what is beside it takes it up
+        if gap < 0.6 * thickness:  # too short for a facet: what is next to it takes it up
             breaks += [0.5 * (low + high)] if low > 0.0 and end < total else []
             continue
         count = max(math.ceil(gap / radius / GENTLE * 1.001), min(math.ceil(gap / radius / STEP), int(gap / (LEAST_CHORD * thickness))), 1)

@@ -35,7 +35,7 @@ from structures.plans.places import place
 from structures.ties import Bar
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
-MOST_FACETS = 400  # of walls up to which arcs are cut anew for their junctions: each time all junctions are looked for
+MOST_FACETS = 400  # of walls up to which arcs are cut again for their junctions: each time all junctions are looked for
 LEAST_SEAT = 0.02  # share of the footprint of a wall that something has to be under
 
 
@@ -302,7 +302,7 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
 
 
 def _turns(one: Piece, other: Piece) -> bool:
-    """Return True if two stones beside a bend are one: in odd courses, where both are level."""
+    """Return True if two stones next to a bend are one: in odd courses, where both are level."""
     level = polygons.is_rectangle(one.shape) and polygons.is_rectangle(other.shape)
     return one.course % 2 == 1 and level and one.shape.bounds[1::2] == other.shape.bounds[1::2]
 

@@ -35,7 +35,7 @@ SLENDER = 0.6  # width of a voussoir on the intrados, in thicknesses of the ring
 MOST_VOUSSOIRS = 199
 LEAST_ROUND = 7  # voussoirs of a half circle
 NATURAL_RISE = {"round": 0.5, "segmental": 1.0 / 6.0, "pointed": 0.5 * math.sqrt(3.0)}  # of an arch by default, in widths
-LEAST_BEARING = 0.1  # of a lintel that has less masonry beside it than it should [m]
+LEAST_BEARING = 0.1  # of a lintel that has less masonry next to it than it should [m]
 LEAST_RING = 0.12  # of an arch that has less masonry around it than it should, in widths
 LEAST_LINTEL = 0.15  # and the height of such a lintel
 SKEW = math.radians(20.0)  # of the skewbacks of a flat arch from the upright
@@ -80,7 +80,7 @@ class Around:
     course: float
     unit: float
     thickness: float
-    beside: float = math.inf  # masonry beside the hole, on the side that has less of it
+    beside: float = math.inf  # masonry next to the hole, on the side that has less of it
     top: float = math.inf  # z of the lowest part of the top over the hole
 
 
@@ -220,7 +220,7 @@ SHAPES: dict[str, Straight | Arched | Rose] = {
 
 
 def _ring(keys: WallOpeningTable, height: float, around: Around, beside: float) -> float:
-    """Thickness of the voussoirs of an arch in the masonry over and beside it [m]."""
+    """Thickness of the voussoirs of an arch in the masonry over and next to it [m]."""
     above = around.top - around.base - keys.sill - height
     return keys.ring or _fitted(natural_ring(keys.width, around.course), min(beside, above), LEAST_RING * keys.width)
 

@@ -27,7 +27,7 @@ LEAST_ANGLE = math.radians(25.0)  # of two walls that meet: stones of a sharper 
 STUB = 0.1  # by which a wall that crosses another has to stick out beyond it [m]
 MOST_PAIRS = 1000  # of walls that meet, whose junctions are looked for where others cannot be
 NEARBY = 3.0  # of a wall that joins no other, from the nearest: farther off it is another building [m]
-MORE = 0.2  # of a facet of an arc beside a junction [m]
+MORE = 0.2  # of a facet of an arc next to a junction [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +195,7 @@ def _parallelogram(leg: Leg, facet: Facet, other: Leg, across: Facet, point: np.
 
 
 def _without_doubles(pairs: Sequence[Pair]) -> list[Pair]:
-    """One pair of each two legs in one place: beside a bend two facets of a leg may touch the other wall."""
+    """One pair of each two legs in one place: next to a bend two facets of a leg may touch the other wall."""
     found: list[Pair] = []
     for pair in sorted(pairs, key=lambda p: sum(arm.end != 0 for arm in p.arms), reverse=True):
         legs = [arm.leg for arm in pair.arms]

@@ -2,7 +2,7 @@
 """Walls of several leaves: layers of stones through the thickness, tied by through-stones, and walls with a core between two leaves.
 
 Head joints of leaves behind each other are a quarter of a block apart. In every n-th course all leaves have one set of joints, and every
-n-th stone there is a through-stone. Leaves beside a core have one set of joints throughout, and the stones at both ends reach through it.
+n-th stone there is a through-stone. Leaves next to a core have one set of joints throughout, and the stones at both ends reach through it.
 """
 
 from __future__ import annotations

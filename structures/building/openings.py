@@ -49,7 +49,7 @@ def frames(plan: Plan, table: BuildingTable, faults: Faults, places: Mapping[tup
 
 
 def _masonry(plan: Plan, there: tuple[int, int], keys: WallOpeningTable) -> tuple[float, float]:
-    """Masonry beside a hole, on the side that has less of it, and z of the lowest part of the top over it [m]."""
+    """Masonry next to a hole, on the side that has less of it, and z of the lowest part of the top over it [m]."""
     leg, facet = plan.legs[there[0]], plan.legs[there[0]].facets[there[1]]
     s, half = facet.s_of(keys.at), 0.5 * keys.width
     bends = [0.5 * leg.thickness * abs(cut) for cut in facet.cuts]
@@ -66,7 +66,7 @@ def _masonry(plan: Plan, there: tuple[int, int], keys: WallOpeningTable) -> tupl
 
 
 def _heights_meet(one: WallOpeningTable, other: WallOpeningTable) -> bool:
-    """Return True if two openings of a wall may have masonry in common beside them: one does not begin well above the other."""
+    """Return True if two openings of a wall may have masonry in common next to them: one does not begin well above the other."""
     top = [o.sill + (o.height or 2.0 * o.width) + 0.5 * o.width for o in (one, other)]
     return one.sill < top[1] and other.sill < top[0]
 

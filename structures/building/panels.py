@@ -183,7 +183,7 @@ def _region(leg: Leg, facet: Facet, area: Polygon, low: float, high: float, hull
 
 
 def _heads(leg: Leg, facet: Facet, stretch: Stretch, laying: Laying, at: tuple[int, float], taken: Sequence[float]) -> list[float]:
-    """s of the head joints of a stretch of a course, given by its number and its shift in blocks, beside those of its neighbours."""
+    """s of the head joints of a stretch of a course, given by its number and its shift in blocks, and those of its neighbours."""
     (course, shift), band = at, stretch.band
     least = bond.LEAST_HEAD * laying.unit
     low, high = max(band.left0, band.left1) + max(least, band.bond_left), min(band.right0, band.right1) - max(least, band.bond_right)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Slivers: what is too narrow in plan to be a stone, or a part of one, moves with the neighbour that it shares its longest side with.
 
-Where walls meet at odd angles, what one of them leaves of another may be a wedge of a few millimetres. It is joined to the stone beside it
+Where walls meet at odd angles, what one of them leaves of another may be a wedge of a few millimetres. It is joined to the stone next to it
 from which the fattest convex parts can then be made. Nothing is lost or added: only who a piece belongs to changes.
 """
 
@@ -178,7 +178,7 @@ def _united(shapes: Sequence[BaseGeometry]) -> BaseGeometry:
 
 
 def _straightened(ring: np.ndarray) -> np.ndarray:
-    """A loop without corners that rounding has put beside the line between their neighbours."""
+    """A loop without corners that rounding has put next to the line between their neighbours."""
     k = 0
     while k < len(ring) and len(ring) > 3:
         a, b, c = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]

@@ -19,7 +19,7 @@ from structures.files.foreign import Answer, Piece, Refused
 from structures.size import MOST, beyond
 
 NARROW = 0.25  # no joint closer to the end of a body, or to the face of a wall along it, than this share of a stone
-ALONG = 0.75  # a plane runs along a wall that ends near it where, so far beside it, there is less than this share of what it cuts
+ALONG = 0.75  # a plane runs along a wall that ends near it where, so far next to it, there is less than this share of what it cuts
 TRIANGLE = 2  # gmsh's number of this type of element
 
 

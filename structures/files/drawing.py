@@ -16,7 +16,7 @@ from masonry_cd.foundation.extras import require
 from structures.files.foreign import Refused
 
 DEEPEST = 8  # inserts within inserts: what goes deeper inserts itself
-# What ezdxf raises of damaged files, beside errors of its own.
+# What ezdxf raises of damaged files, in addition to errors of its own.
 DAMAGED = (ValueError, ArithmeticError, KeyError, IndexError, AttributeError, TypeError, StopIteration, RecursionError)
 FRAMES = ("VIEWPORT",)  # of paper space itself
 OFF, FROZEN, INVISIBLE = "its layer is off", "its layer is frozen", "it is invisible"

@@ -6,7 +6,7 @@
      "carried": {"arch1.v1": {"mass": 812.5, "centre": [x, y, z], "inertia": [[...], [...], [...]]}, ...}}
 
 in metres and kilograms, inertia about the centre. Both are keys of a block file (:mod:`structures.files.blockfile`), or of a file of their
-own beside blocks in other formats. What is written is read back to the bit.
+own next to blocks in other formats. What is written is read back to the bit.
 """
 
 from __future__ import annotations

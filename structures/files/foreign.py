@@ -56,7 +56,7 @@ class Answer(NamedTuple):
 
 GIB = 2**30
 MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0.7 GiB before they open a file; the rest is for the file
-MODEL, PER_BYTE = 3 * GIB // 2, 200  # of a CAD model of so many bytes, gmsh included: a church of 95 MB takes 0.7 GB
+MODEL, PER_BYTE = 3 * GIB // 2, 200  # of a CAD model of a given number of bytes, gmsh included: a church of 95 MB takes 0.7 GB
 OUTPUT = GIB  # largest file that a child may write [B], its answer of some 100 B per corner among them
 SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
 WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
@@ -197,7 +197,7 @@ def _run(folder: Path, limits: Limits) -> int | None:
 
 
 def _ending(code: int | None, limits: Limits, advice: str, folder: Path) -> str:
-    """How a child ended that gave no answer, in words."""
+    """How a child ended that gave no answer, as text."""
     memory = f"{limits.memory / GIB:.3g} GiB of memory"
     if code is None:
         return f"not done after {limits.seconds:g} s of computing; it is damaged or too large{advice}"

@@ -160,7 +160,7 @@ def _accessor(path: Path, scene: Any, number: int, binary: bytes) -> np.ndarray:
 
 
 def _buffer(path: Path, buffer: Any, binary: bytes) -> bytes:
-    """The bytes of a buffer: of the GLB itself, of a data URI, or of a file beside it."""
+    """The bytes of a buffer: of the GLB itself, of a data URI, or of a file next to it."""
     uri = buffer.get("uri")
     if uri is None:
         return binary

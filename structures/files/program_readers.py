@@ -2,10 +2,10 @@
 """Blocks of other programs: COMPAS JSON and LMGC90 decks. Each runs in a child, see :mod:`structures.files.foreign`.
 
     COMPAS    every mesh or polyhedron within the file, by name; ``is_support`` of it or of the node around it, or, in assemblies of
-              version 0, of its node beside it. Elements with features, which cut their geometry, are refused; frames of their own and
+              version 0, of its node next to it. Elements with features, which cut their geometry, are refused; frames of their own and
               shapes that are no meshes are counted
     LMGC90    BODIES.DAT: a RBDY3 with one POLYR or PLANx each, or a RBDY2 with one POLYG or JONCx, drawn out by a thickness; colour is the
-              group. Beside it DRV_DOF.DAT (all velocities driven: a support) and BULK_BEHAV.DAT (densities). Bodies of other kinds, or
+              group. Next to it DRV_DOF.DAT (all velocities driven: a support) and BULK_BEHAV.DAT (densities). Bodies of other kinds, or
               moved from where they are written, are refused; so are turned ones in space
 
 Sources: COMPAS 0.19, 1 and 2 documentation; LMGC90 user guide.
@@ -131,7 +131,7 @@ def _meshes(path: Path, item: Any, name: str, support: bool, place: np.ndarray, 
 
 
 def with_supports(item: Mapping[str, Any]) -> dict[str, Any]:
-    """An object of COMPAS; of an assembly of version 0, whose nodes lie beside its blocks, with what they say of supports in the blocks."""
+    """An object of COMPAS; of an assembly of version 0, whose nodes lie next to its blocks, with their notes on supports in the blocks."""
     blocks, nodes = item.get("blocks"), item.get("node", item.get("vertex"))
     if not (isinstance(blocks, dict) and isinstance(nodes, dict)):
         return dict(item)

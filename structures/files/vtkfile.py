@@ -20,7 +20,7 @@ POLYHEDRON = 42  # VTK's number of this type of cell
 
 
 def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
-    """Write a multi-block file, with a folder of its data sets beside it: a surface for a convex block, a grid for one with parts."""
+    """Write a multi-block file, with a folder of its data sets next to it: a surface for a convex block, a grid for one with parts."""
     import pyvista
 
     whole = pyvista.MultiBlock()

@@ -88,7 +88,7 @@ def check_shells(blocks: Sequence[Block], source: str = "") -> None:
 
 @contextmanager
 def _located(blocks: Sequence[Block], source: str) -> Iterator[None]:
-    """Put the source before the message of a fault, and the structure beside it."""
+    """Put the source before the message of a fault, and the structure next to it."""
     try:
         yield
     except Unsound as failure:

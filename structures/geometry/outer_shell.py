@@ -56,7 +56,7 @@ def _facing(planes: tuple[np.ndarray, np.ndarray], normal: np.ndarray, offset: f
 
 
 def _left(loop: np.ndarray, normal: np.ndarray, hidden: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-    """Convex pieces of what other faces in its plane leave of a face; itself where they lie beside it."""
+    """Convex pieces of what other faces in its plane leave of a face; itself where they lie next to it."""
     import shapely
 
     from structures.geometry.polygons import convex_pieces, polygons

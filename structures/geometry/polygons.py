@@ -34,7 +34,7 @@ def _plain(shape: Polygon) -> Polygon:
 
 
 def without_holes(shape: Polygon) -> list[Polygon]:
-    """A polygon, or its halves beside an upright line through its holes."""
+    """A polygon, or its halves next to an upright line through its holes."""
     if not shape.interiors:
         return [shape]
     left, _, right, _ = shape.bounds

@@ -70,7 +70,7 @@ def _estimate(layout: Layout) -> float:
 
 
 def _fill(layout: Layout, faces: Sequence[FillFace]) -> Fill:
-    """The fill over and beside the faces that it touches."""
+    """The fill over and next to the faces that it touches."""
     keys, wings = layout.keys.fill, 0.0 if layout.keys.walls is None else layout.keys.walls.wing_length or 0.0
     return Fill(
         where="structure.fill", level=layout.deck, density=keys.density, friction_angle=keys.friction_angle, spread=keys.spread,

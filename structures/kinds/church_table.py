@@ -50,7 +50,7 @@ class ChurchTable(Table):
     apse_sides: int = Field(7, ge=3, le=31)
     """flat sides of the half circle"""
     tower: bool = True
-    """beside the nave"""
+    """next to the nave"""
     tower_side: Length = 4.5
     """outer, beyond the wall it is bonded with"""
     tower_height: WallHeight = Field(20.0)

@@ -56,7 +56,7 @@ class FileTable(Table):
     gaps: Length | None = None
     """close gaps up to this width between blocks of any file"""
     fill: str | None = None
-    """a file with the fill of a bridge, as build writes it beside blocks in other formats; a block file holds its own"""
+    """a file with the fill of a bridge, as build writes it next to blocks in other formats; a block file holds its own"""
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:

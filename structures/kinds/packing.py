@@ -104,7 +104,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
 
 
 def _refuse_wide(plan: Plan, diameters: tuple[float, ...]) -> None:
-    """Refuse spheres that are dust beside their container, or beside the largest of them: a layer or a cell would have too many places."""
+    """Refuse spheres that are dust against their container, or with the largest of them: a layer or cell would have too many places."""
     largest = max(diameters)
     if plan.length / largest * (plan.width / largest) > MOST_PLACES:
         raise InputError(

@@ -65,7 +65,7 @@ def count_for(fill: float, plan: Plan, diameters: Sequence[float], shares: Seque
 
 
 def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: int) -> Grains:
-    """Lay so many spheres of each diameter into layers of cells from z = 0 upwards.
+    """Lay a given number of spheres of each diameter into layers of cells from z = 0 upwards.
 
     Args:
         plan: takes a cell of the largest diameter at least.

@@ -3,7 +3,7 @@
 
 A stone is cut by all planes of the solids that reach into it, and what remains is put together to few convex parts, as thick as can be
 (:mod:`structures.geometry.cells`). A solid may pass a bed or a head joint by a millimetre: what is left of a stone there, a sliver, goes to
-the stone beside it with which it makes the thickest part. Nothing is lost or added: only who a piece belongs to changes.
+the stone next to it with which it makes the thickest part. Nothing is lost or added: only who a piece belongs to changes.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.geometry.cells import AREA, Part, Planes, cut, joined, outside, planes, stone_of, together
 
-CRUMB = 0.02  # of a stone: a piece of it that is smaller goes to the stones beside it, where it would be loose
+CRUMB = 0.02  # of a stone: a piece of it that is smaller goes to the stones next to it, where it would be loose
 SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
 ON = 1e-7  # solids that reach less than this into a stone do not meet it [m]
 ROUNDS = 3  # in which slivers are given: what one stone has got may be a sliver that another one can take
-THICKER = 1.5  # a sliver goes to a neighbour where it becomes so many times as thick
+THICKER = 1.5  # a sliver goes to a neighbour where it becomes a given number of times as thick
 
 
 def with_pockets(blocks: Sequence[Block], solids: Sequence[Polyhedron], thin: float) -> list[Block]:
@@ -125,7 +125,7 @@ class _Stones:
 
 
 def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[Part]], thin: float) -> None:
-    """Give slivers and crumbs of stones to those beside them, the thinnest first."""
+    """Give slivers and crumbs of stones to those next to them, the thinnest first."""
     stones = _Stones(blocks, cut, {}, *(np.array([end(block.vertices, axis=0) for block in blocks]) for end in (np.min, np.max)))
     for _ in range(ROUNDS):
         found = sorted(_slivers(blocks, cut, thin), key=lambda item: (item[2].width, item[0]))

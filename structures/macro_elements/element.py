@@ -29,6 +29,6 @@ class MacroElement:
     kind: str  # facade, side wall, gable, tower ...
     blocks: np.ndarray  # (N,) their numbers
     directions: tuple[Vector, ...]  # of the pushes, level and of length one
-    mechanisms: tuple[str, ...]  # beside the free least one, which is looked for in each
+    mechanisms: tuple[str, ...]  # in addition to the free least one, which is looked for in each
     levels: tuple[float, float] | None = None  # heights between which the lines lie about which it overturns [m]; None: at its foot only
     piers: tuple[np.ndarray, ...] = ()  # blocks of each pier; the others of the part rest on them

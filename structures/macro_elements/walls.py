@@ -70,7 +70,7 @@ def _over(layout: Layout, blocks: np.ndarray, axis: int, hole: Hole) -> np.ndarr
 
 
 def storeys(holes: Sequence[Hole]) -> list[list[Hole]]:
-    """Openings that lie beside one another, from below."""
+    """Openings that lie next to one another, from below."""
     rows: list[list[Hole]] = []
     for hole in sorted(holes, key=lambda one: one.sill):
         if rows and hole.sill < min(one.head for one in rows[-1]) - SAME:

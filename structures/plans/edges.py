@@ -21,7 +21,7 @@ SAME = 2e-3  # ends this near to each other are one corner [m]
 SNAPPED = 0.02  # and ends of two lines that miss each other by less are brought to one [m]
 SHORTEST = 0.02  # an edge below this is a slip of the pen [m]
 ON_CIRCLE = 0.012  # corners of chords lie this near to their circle [m]
-CHORDS = 5  # so many chords in a row, each turning alike, are an arc
+CHORDS = 5  # this number of chords in a row, each turning alike, are an arc
 TURN = math.radians(20.0)  # largest turn from chord to chord: a polygon of more than 18 sides
 FACET = math.radians(4.0)  # of an arc that stands for it where areas are computed
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Openings, vaults and columns of a plan, from what is drawn on their layers and the texts beside it, as tables of a building."""
+"""Openings, vaults and columns of a plan, from what is drawn on their layers and the texts next to it, as tables of a building."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def beside_of(text: Entity, read: Marks, things: Sequence[Drawn], taken: Mapping
     """The thing that a text belongs to: the nearest; of several over one another that one which it fits, and that has none yet.
 
     Args:
-        text: that stands beside it.
+        text: that stands next to it.
         read: what it says.
         things: of one kind.
         taken: texts that things have, by their first handle.
@@ -192,7 +192,7 @@ def opening_tables(fitted: Fitted, one: Drawn, texts: Sequence[str], thickness: 
     Args:
         fitted: where it lies.
         one: as drawn; the attributes of its insert come before texts, the name of the insert and its layer after them.
-        texts: beside it; parts between semicolons are openings one above the other.
+        texts: next to it; parts between semicolons are openings one above the other.
         thickness: of the wall [m].
 
     Returns:

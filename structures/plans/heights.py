@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Heights of walls from the texts beside them: one for the whole wall, a gable, or steps at the walls that meet it."""
+"""Heights of walls from the texts next to them: one for the whole wall, a gable, or steps at the walls that meet it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ AWAY = 0.8  # a text further than this from the faces of a wall is of something 
 
 
 class Note(NamedTuple):
-    """A text beside a wall."""
+    """A text next to a wall."""
 
     at: float  # distance along the axis [m]
     marks: Marks
@@ -25,7 +25,7 @@ class Note(NamedTuple):
 
 
 def nearest_wall(text: Any, walls: Sequence[Wall]) -> int | None:
-    """The wall beside whose face the line of a text stands, or in which it does."""
+    """The wall next to whose face the line of a text stands, or in which it does."""
     apart = [wall.ground().distance(text) for wall in walls]
     if not apart or min(apart) > AWAY:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The keys of a scene by which a drawing is read, beside ``plan`` in ``[structure]``."""
+"""The keys of a scene by which a drawing is read, next to ``plan`` in ``[structure]``."""
 
 from __future__ import annotations
 

@@ -156,7 +156,7 @@ def _filling(one: Drawn) -> Any:
 
 
 def _from_axes(paths: Sequence[Entity], keys: PlanKeys, texts: Sequence[tuple[Entity, marks.Marks]]) -> tuple[list[Band], list[Left]]:
-    """Bands from middle lines, whose thickness is the polyline's width, a mark beside them, or the scene's."""
+    """Bands from middle lines, whose thickness is the polyline's width, a mark next to them, or the scene's."""
     import shapely
 
     bands, left = [], []
@@ -206,7 +206,7 @@ class _Reader:
     def _sorted_texts(
         self, texts: Sequence[Entity], things: dict[str, list[Drawn]], roles: _Roles
     ) -> tuple[dict[str, list[str]], dict[int, list[Note]]]:
-        """Texts by the handle of the thing that they are beside, and by wall."""
+        """Texts by the handle of the thing that they are next to, and by wall."""
         beside: dict[str, list[str]] = {}
         of_walls: dict[int, list[Note]] = {}
         for text in texts:

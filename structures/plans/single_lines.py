@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans drawn in single lines, one for each wall: two of them beside a corridor would pass for the faces of a wall as wide as the corridor.
+"""Plans drawn in single lines, one for each wall: two of them next to a corridor would pass for the faces of a wall as wide as the
+corridor.
 
 Where faces are drawn, nearly all their length belongs to a wall, some wall is thinner than a metre, and no wall holds a room. So the
 signs are the share of the lines on layers of walls that no wall covers, texts within thick walls that name rooms, and thick walls alone.

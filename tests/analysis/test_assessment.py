@@ -27,7 +27,7 @@ def test_bars_run_from_the_least_to_the_largest_level() -> None:
     found = made()
     stiffness = found.bar(KNOWN[0], DISPLACEMENT)
     assert (stiffness.low, stiffness.high, stiffness.shows) == (pytest.approx(0.1), pytest.approx(0.24), True)
-    damping = found.bar(KNOWN[2], DISPLACEMENT)  # beside its own reference: on other joints than those of the base case
+    damping = found.bar(KNOWN[2], DISPLACEMENT)  # in addition to its own reference: on other joints than those of the base case
     assert (damping.low, damping.high, damping.shows) == (pytest.approx(0.176), pytest.approx(0.18), False)
 
 

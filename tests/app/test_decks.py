@@ -80,7 +80,7 @@ def test_numbers_of_lmgc90_stand_in_their_columns(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_the_base_of_a_deck_moves_as_that_of_the_scene(tmp_path: Path, form: str) -> None:
-    """One of two supports settles beside the shaking of both, so that they are told apart."""
+    """One of two supports settles next to the shaking of both, so that they are told apart."""
     base = [mc.box((x, -1, -0.5), (x + 1, 1, 0)) for x in (0.0, 1.5)]
     beam = mc.box((0.5, -0.5, 0), (2.0, 0.5, 0.4))
     sunk = {"kind": "settlement", "supports": "b1", "displacement": 0.01, "duration": 0.2}

@@ -38,7 +38,7 @@ ADDED = '[[events]]\nwhen = { gauge = "top", quantity = "z", below = -0.1 }\nadd
 
 
 def scene(folder: Path, *events: str) -> Path:
-    """Two cubes on each other, and one beside them."""
+    """Two cubes on each other, and one next to them."""
     cubes = [box(name, (x, 0, z), (x + 1, 1, z + 1)) for name, x, z in (("low", 0, 0), ("high", 0, 1), ("late", 3, 0))]
     return write_scene(folder, [ground(), *cubes], SCENE + "".join(events))
 

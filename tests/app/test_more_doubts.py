@@ -219,7 +219,7 @@ def test_a_run_that_breaks_down_names_step_block_and_contact():
 
 @pytest.mark.parametrize("drop", [box("drop", (3, 0, 0), (3.2, 0.2, 0.2)), Block.sphere("drop", np.array([3.1, 0.1, 0.1]), 0.1)])
 def test_what_falls_past_the_supports_is_not_looked_at(drop, tmp_path):
-    """A stone and a ball beside the plate fall at 30 m/s: above its lower side they may meet something, far below it nothing."""
+    """A stone and a ball next to the plate fall at 30 m/s: above its lower side they may meet something, far below it nothing."""
     blocks, found = [PLATE, box("stone", (0, 0, 0), (1, 1, 1)), drop], []
     for depth in (0.5, 45.0):
         state = shifted(at_rest(blocks), 2, (0, 0, -depth))

@@ -45,7 +45,7 @@ def lifted(text: str) -> str:
 
 
 def with_ball(text: str) -> str:
-    """A sphere beside the block."""
+    """A sphere next to the block."""
     structure = json.loads(text)
     structure["blocks"].append({"name": "ball", "centre": [-1.2, 0.0, 0.26], "radius": 0.25, "density": 2000.0})
     return json.dumps(structure)

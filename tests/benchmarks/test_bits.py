@@ -31,7 +31,7 @@ def test_a_scene_that_is_saved_is_found_the_same_and_a_changed_number_is_reporte
     ):  # fmt: skip
         assert name in found
     baseline.save(file, "tiny", found)
-    assert check({"tiny": tiny}, file) == 0  # runs it anew
+    assert check({"tiny": tiny}, file) == 0  # runs it again
     assert "all 1 scenes are the same to the bit" in capsys.readouterr().out
     found["problem_5/local-nlgs/r"][1, 0] *= 1.0 + 1e-15
     lines = baseline.differences(file, "tiny", found)

@@ -103,7 +103,7 @@ def test_gaps_as_built_pass_at_rest():
 
 
 def test_costs_of_steps_are_counted():
-    """Equal in every run; a step without iterations costs what is beside them; nothing stays watched."""
+    """Equal in every run; a step without iterations costs what is next to them; nothing stays watched."""
     methods, costs = (admm, newton, interior, nlgs), []
     before = [method.solve for method in methods]
     for _ in range(2):

@@ -158,7 +158,7 @@ def test_settings_are_equal_as_numba_s_own_are() -> None:
 
 
 def test_of_what_is_kept_only_names_are_parsed(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
-    """CompileResult._reduce, JITCodeLibrary._unserialize: machine code beside stubs, which define the two names that numba asks for."""
+    """CompileResult._reduce, JITCodeLibrary._unserialize: machine code next to stubs, which define the two names that numba asks for."""
     import pickle
 
     from masonry_cd.foundation import kernel_store

@@ -126,7 +126,7 @@ def test_meshes_are_found_wherever_a_model_holds_them(tmp_path: Path) -> None:
     )
     assert [(block["name"], block["fixed"]) for block in found] == [("b0", True), ("b1", False)]
     assert np.array_equal(found[0]["vertices"], corners) and [tuple(loop) for loop in found[0]["faces"]] == list(faces)
-    old = mc.from_compas(json.loads(mesh_files.compas_0()))  # of version 0: nodes beside blocks, keys as texts
+    old = mc.from_compas(json.loads(mesh_files.compas_0()))  # of version 0: nodes next to blocks, keys as texts
     assert [(block["name"], block["fixed"]) for block in old] == [("Block", True), ("Block_1", False)]
     (tmp_path / "mesh.json").write_text(mesh_files.compas_0(assembly=False), encoding="utf-8")
     assert [len(block["faces"]) for block in mc.from_compas(tmp_path / "mesh.json")] == [6]

@@ -32,7 +32,7 @@ SPRING = mc.JointLaw(spring, stiffness=K, history=3)
 
 
 def cube(where: str, **run: Any) -> dict[str, Any]:
-    """A cube of 0.4 m under, beside or on a fixed one."""
+    """A cube of 0.4 m under, next to or on a fixed one."""
     places = {
         "under": [(-1, -1, 0.4), (1, 1, 0.8), (-0.2, -0.2, 0.0), (0.2, 0.2, 0.4)],
         "beside": [(-0.4, -1, 0), (0, 1, 0.4), (0, -0.2, 0), (0.4, 0.2, 0.4)],

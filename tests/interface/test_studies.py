@@ -36,7 +36,7 @@ GRID_TABLES: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def folder(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A study file beside its scene, and what it came to in Python."""
+    """A study file next to its scene, and what it came to in Python."""
     folder = tmp_path_factory.mktemp("study")
     write_study(folder)
     mc.study(folder / "study.toml", folder / "out", scheduler=scheduler, progress=False)

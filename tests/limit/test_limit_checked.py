@@ -167,7 +167,7 @@ def test_the_mechanism_that_is_followed_is_the_one_that_is_checked(tmp_path: Pat
 
 @pytest.mark.parametrize(("width", "by"), [(1.0, BY_CURVE), (0.7, BY_LINKAGE)], ids=["plane", "space"])
 def test_a_part_that_is_the_whole_is_not_listed_twice_and_d0_says_how_it_was_found(width: float, by: str, tmp_path: Path) -> None:
-    """A slab alone, in the middle of its ground or beside it: the whole, and its group as a part, overturn at 1/6 with d0* = 0.25 m."""
+    """A slab alone, in the middle of its ground or next to it: the whole, and its group as a part, overturn at 1/6 with d0* = 0.25 m."""
     check = f'[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 0.9}\n'
     slab = [ground(5.0), box("slab", (0.0, -1.0, 0.0), (0.5, width, 3.0))]
     rows = [each.row for each in limit_case(scene(tmp_path, slab, check, mu=0.6)).mechanisms]

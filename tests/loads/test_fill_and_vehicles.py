@@ -121,7 +121,7 @@ def test_a_wall_is_pressed_by_k_0_at_rest_by_k_a_once_it_has_moved_and_by_nothin
 
 
 def test_the_fill_runs_out_where_its_slumped_wedge_has_done_as_much_work() -> None:
-    """A slope of phi beside a wall that moves away keeps the volume of the fill: H - sqrt(2 d H tan phi) of the wall are touched."""
+    """A slope of phi next to a wall that moves away keeps the volume of the fill: H - sqrt(2 d H tan phi) of the wall are touched."""
     made, _ = bridge(fill={"friction_angle": 35.0})
     slope = math.tan(math.radians(35.0))
     moved = np.linspace(0.0, 0.5 / slope, 20001)

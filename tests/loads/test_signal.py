@@ -279,7 +279,7 @@ def test_agrees_with_a_digital_filter_at_fine_steps() -> None:
 
 
 def test_pulses_far_apart_add_what_they_gain() -> None:
-    """Four rectangular pulses, shorter than the window and slow beside the filter: the three strongest count, of the stronger sign."""
+    """Four rectangular pulses, shorter than the window and slow against the filter: the three strongest count, of the stronger sign."""
     step, period = 0.01, 1.0
     a = np.zeros(6000)
     for start, size in ((500, 1.0), (1500, 2.0), (2500, 3.0), (3500, 4.0), (4500, -8.0)):

@@ -20,7 +20,7 @@ CONDITION = 1e4  # worst of W that is asked for
 UNIT = st.floats(-1.0, 1.0).map(lambda x: x if abs(x) > 1e-9 else 0.0)  # squares of smaller ones may be lost
 FRICTION = st.one_of(st.sampled_from([0.0, 0.3, 0.6, 1.0, 3.0]), st.floats(0.0, 3.0))
 ROUNDING = 1.0 + 1e-12
-ROUNDED = 1e-15  # of velocities, beside the largest of them
+ROUNDED = 1e-15  # of velocities, against the largest of them
 
 
 def solve(problem: FrictionProblem) -> np.ndarray:
@@ -165,7 +165,7 @@ def test_a_contact_that_opens_by_itself_may_stay_without_impulse(problem: Fricti
     """Where q_n >= 0 no impulse solves the problem, and where q_n < 0 none does not."""
     nothing = np.zeros((1, problem.dimension))
     q = problem.free_relative_velocity()[0]
-    assume(q[0] >= 0.0 or -q[0] > ROUNDED * np.linalg.norm(q))  # below, an error beside the slip is none
+    assume(q[0] >= 0.0 or -q[0] > ROUNDED * np.linalg.norm(q))  # below, an error this small against the slip is none
     opens = q[0] >= 0.0
     assert (natural_map_error(problem, nothing) <= ROUNDED) == opens
     assert opens or solve(problem)[0] > 0.0

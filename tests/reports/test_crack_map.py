@@ -115,7 +115,7 @@ def test_what_has_fallen_for_ever_is_left_out_of_the_picture(stone: Block, tmp_p
 
 
 def test_a_block_is_in_the_picture_whole_or_not_at_all() -> None:
-    """One lies across the limit, 3 m beside the structure."""
+    """One lies across the limit, 3 m next to the structure."""
     rest = Window(-1.0, 1.0, 0.0, 3.0)
     corners = np.array([[3.8, 0.0], [4.2, 0.0], [4.2, 0.4], [3.8, 0.4]])
     window = framing.followed(rest, corners, np.zeros(4, dtype=int), framing.COLLAPSE)
@@ -124,7 +124,7 @@ def test_a_block_is_in_the_picture_whole_or_not_at_all() -> None:
 
 @pytest.mark.parametrize(("out", "held"), [(0.9, True), (3.0, False)])
 def test_the_rubble_of_a_collapse_is_in_the_picture_but_not_what_flew_off(tmp_path: Path, out: float, held: bool) -> None:
-    """The top block of a column lies on the ground beside it, at a share of the column's height from it."""
+    """The top block of a column lies on the ground next to it, at a share of the column's height from it."""
     rest = at_rest(COLUMN)
     fallen = shifted(rest, 3, (3.0 * out, 0, -2.0))
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, fallen])) as results:
@@ -166,7 +166,7 @@ def test_scale_bar_is_true(tmp_path: Path) -> None:
     stone = np.abs(image - 255 * rgb("#e6d9bd")).max(axis=2) < 14
     ink = (image == 255 * rgb("#23272b")).all(axis=2)
     bar_row = image.shape[0] - ink[::-1].sum(axis=1).argmax() - 1  # the outline of the bar is the longest line of ink
-    bar = max(np.split(row := np.flatnonzero(ink[bar_row]), np.flatnonzero(np.diff(row) > 1) + 1), key=len)  # the axes stand beside it
+    bar = max(np.split(row := np.flatnonzero(ink[bar_row]), np.flatnonzero(np.diff(row) > 1) + 1), key=len)  # the axes stand next to it
     width = np.flatnonzero(stone[: image.shape[0] // 2].sum(axis=0) > 50)
     metres_per_pixel = 2.0 / np.ptp(width)
     assert (np.ptp(bar) * metres_per_pixel) == pytest.approx(nice(np.ptp(bar) * metres_per_pixel * 1.05), rel=0.02)

@@ -32,7 +32,7 @@ ADDRESS = re.compile(r"//|\bsrc=|@import|\burl\(")
 
 
 def pillar() -> list:
-    """Three blocks on a base, and a fourth beside them that will fall."""
+    """Three blocks on a base, and a fourth next to them that will fall."""
     return [
         box("base", (-1, 0, -0.5), (3, 1, 0), "base", fixed=True),
         box("lower", (0, 0, 0), (1, 1, 1), "pillar"),
@@ -89,7 +89,7 @@ def test_the_file_names_no_outside_address(folder):
 
 
 def test_joints_are_coloured_by_the_peaks_of_all_steps_and_blocks_unlike_them(folder):
-    """The peaks are sent beside the frames; the colours of watched blocks are none of the curves' blue and orange."""
+    """The peaks are sent next to the frames; the colours of watched blocks are none of the curves' blue and orange."""
     text = (folder / "report.html").read_text(encoding="utf-8")
     facts = json.loads(re.search(r'<script type="application/json" id="facts-data">(.*?)</script>', text, re.DOTALL).group(1))
     names = json.dumps(facts["contents"])

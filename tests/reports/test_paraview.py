@@ -121,7 +121,7 @@ PATIENCE = 60  # [s]
 
 
 def exported(folder: Path, form: str, limit: int) -> list[str]:
-    """The lines on standard error of an export in a process whose files may have so many bytes, those of libraries among them."""
+    """The lines on standard error of an export in a process whose files may have a given number of bytes, those of libraries among them."""
 
     def body() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))

@@ -171,5 +171,5 @@ def test_the_line_in_the_plane_of_a_cut_is_seen_from_wherever(tmp_path: Path, vi
 
 
 def framing_box(pixels: np.ndarray) -> tuple[int, int, int, int]:
-    """The part of a sheet (left, first row, right, last row) without its key below or beside."""
+    """The part of a sheet (left, first row, right, last row) without its key below or next to it."""
     return 0, 0, int(0.74 * pixels.shape[1]), int(0.8 * pixels.shape[0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packings: so many spheres of each size, apart from one another and inside their container."""
+"""Packings: a given number of spheres of each size, apart from one another and inside their container."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def test_a_piece_without_a_support_is_named() -> None:
 
 
 def test_a_block_between_two_others_hangs() -> None:
-    """Nothing but friction holds it; those beside it stand on the ground."""
+    """Nothing but friction holds it; those next to it stand on the ground."""
     blocks = [ground(2.0), *(box(f"b{k}", (0.5 * k - 1.0, -0.5, 0.3 * (k == 1)), (0.5 * k - 0.5, 0.5, 1.0)) for k in range(3))]
     made = report(blocks)
     assert made["hanging"] == ["b1"]

@@ -266,7 +266,7 @@ STATIC = {"limit": {"push": "y"}, "loads": [], "assess": {"leave_out": ["block s
 
 
 def command(folder: Path, tables: dict[str, Any], *options: str) -> Result:
-    """The command on a scene beside its results."""
+    """The command on a scene next to its results."""
     (folder / "scene.toml").write_text(dump_toml(tables), encoding="utf-8")
     return masonry_cd("assess", folder / "scene.toml", "-o", folder / "out", *options)
 

@@ -36,7 +36,7 @@ def processes() -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A grid of six runs, made by two workers: its folder, beside study.toml."""
+    """A grid of six runs, made by two workers: its folder, next to study.toml."""
     folder = tmp_path_factory.mktemp("study")
     write_study(folder)
     result = invoke(folder / "study.toml", "--scheduler", scheduler)
@@ -46,7 +46,7 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def invoke(path: Path, *options: str) -> Result:
-    """The command on a study file, its results beside it."""
+    """The command on a study file, its results next to it."""
     with studied.undrawn():
         return masonry_cd("study", path, "-o", path.parent / "out", *options)
 

@@ -41,7 +41,7 @@ def test_ten_kills_change_no_byte(tmp_path: Path) -> None:
     subprocess.run(command(studies[0] / "study.toml"), check=True)
     program = subprocess.Popen(command(studies[1] / "study.toml"))
     rows, killed = studies[1] / "out" / "rows", 0
-    marks = np.sort(random.choice(np.arange(2, RUNS - 6), KILLS, replace=False))  # after so many rows
+    marks = np.sort(random.choice(np.arange(2, RUNS - 6), KILLS, replace=False))  # after a given number of rows
     while program.poll() is None and killed < KILLS:
         if rows.is_dir() and len(list(rows.glob("*.json"))) >= marks[killed] and (alive := workers_of(program.pid)):
             time.sleep(random.random() * 0.2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The fragility of a rocking block by a study, beside the same by Housner's equation under the same motions."""
+"""The fragility of a rocking block by a study, against the same by Housner's equation under the same motions."""
 
 from __future__ import annotations
 

@@ -148,7 +148,7 @@ class Assessment:
         return (float(values.min()), float(values.max())) if len(values) else (np.nan, np.nan)
 
     def by_chance(self, answer: Answer, runs: int) -> float:
-        """How far so many runs spread by chance alone, in 19 of 20 cases."""
+        """How far a given number of runs spread by chance alone, in 19 of 20 cases."""
         values = self._of(self.ensemble, answer)
         if len(values) < LEAST or runs < 2:
             return 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An assessment in words: the range of the verdict, what decides it, what to pin down first, and what to know of the runs."""
+"""An assessment as text: the range of the verdict, what decides it, what to pin down first, and what to know of the runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from masonry_cd.analysis.damage.verdict import ENOUGH
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
 from masonry_cd.foundation.quantities import counted
 
-MOST = 0.5  # share of the largest weight from which an assumption decides beside it
+MOST = 0.5  # share of the largest weight from which an assumption decides as well
 NOTHING = 5e-4  # in the unit of an answer: half of the last digit that anybody reads [mm]
 NAMED = 3  # answers that a line names, and pairs
 

@@ -39,7 +39,7 @@ class EndState:
 
     @property
     def provisional(self) -> str:
-        """Why residual values and grades are provisional, in words; empty where they are final."""
+        """Why residual values and grades are provisional, as text; empty where they are final."""
         reasons, end = [self.stopped] if self.stopped else [], self.end
         if end.base_speed > self.still:
             reasons.append(f"the base still moving at {length(end.base_speed)}/s")

@@ -67,7 +67,7 @@ class PartDamage:
 
     title: str
     time: float  # of the last frame [s]
-    provisional: str  # why residual values and grades are not the last, in words; empty where the run ended at rest
+    provisional: str  # why residual values and grades are not the last, as text; empty where the run ended at rest
     settings: Settings
     width_classes: tuple[float, ...]  # lower bounds [m]
     parts: list[Row]  # one per part, then the structure

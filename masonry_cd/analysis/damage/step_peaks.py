@@ -26,7 +26,7 @@ UNKNOWN = ("hinge_time", "hinge_place")  # NaN where there was no hinge
 
 
 def shapes(blocks: Sequence[Block], joints: int) -> dict[str, tuple[int, ...]]:
-    """The shapes of the peaks of some blocks and so many joints, by the names of STEP_PEAKS."""
+    """The shapes of the peaks of some blocks and a given number of joints, by the names of STEP_PEAKS."""
     parts = len(part_names(blocks))
     sizes = ((len(blocks),), (parts,), (parts, LEVELS + 1), (parts, LEVELS + 1), (joints,), (joints,), (joints, 3))
     return dict(zip(STEP_PEAKS, sizes, strict=True))

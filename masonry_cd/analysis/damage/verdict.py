@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The reliability of a run, judged by the checks that it made of itself, and the verdict on it.
 
-Each check is ``good``: it does not limit what the results say; ``look``: read what stands beside it; or ``doubtful``: do not rely on the
+Each check is ``good``: it does not limit what the results say; ``look``: read what stands next to it; or ``doubtful``: do not rely on the
 run before it is mended. The verdict on the run is that of its worst check. A run that is doubtful has no grade of damage: the verdict
 stands in its place wherever a grade does.
 """
@@ -168,7 +168,7 @@ def tolerance_that_does(solver: Solver) -> float | None:
 
 
 def _false_motion(summary: Summary, slip: float, thresholds: Thresholds) -> Finding:
-    """How far joints moved against the contact laws; lengths that count for nothing beside the structure's size have no place named.
+    """How far joints moved against the contact laws; lengths that count for nothing compared with the structure's size have no place named.
 
     What is less than the width from which on a joint counts as open or slid changes no grade: a structure nearly at rest has moved by
     little more.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""How much of a fragility's scatter comes from the records, and how much from what varies in the model.
 
-With z the numbers that vary from run to run, standardised, the latent variable of a fit gets them as regressors beside ln IM:
+With z the numbers that vary from run to run, standardised, the latent variable of a fit gets them as regressors with ln IM:
 
     counts      P = Phi( a + b ln IM + c . z ),               beta_model = sqrt(c' C c) / b,      beta_record = 1 / b
     clouds      ln EDP = a + b ln IM + c . z + s e,           beta_model = sqrt(c' C c) / b,      beta_record = s / b

@@ -99,7 +99,7 @@ class CloudFit(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """All fits of a study, what its pictures need beside, and warnings."""
+    """All fits of a study, what its pictures need, and warnings."""
 
     fits: tuple[Fit, ...] = ()
     clouds: tuple[CloudFit, ...] = ()

@@ -136,7 +136,7 @@ def demand_quantiles(curves: Sequence[Curve], values: np.ndarray, collapsed: np.
     beyond its strongest run, where that still stands, unknown: there the quantiles end.
 
     Returns:
-        intensities (G,), and demands (3, G), inf where so many records have collapsed.
+        intensities (G,), and demands (3, G), inf where a given number of records have collapsed.
     """
     known = [curve.intensity[-1] for curve in curves if not collapsed[curve.rows].any()]
     top = min([max(curve.intensity[-1] for curve in curves), *known])

@@ -116,7 +116,7 @@ class Analysis:
 
     @property
     def bears_nothing(self) -> bool:
-        """Return True if the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
+        """Return True if the least of the live loads sets it in motion: what is borne of them is nothing compared with the dead ones."""
         if self.unlimited:
             return False
         borne = abs(self.associated.factor) * float(np.linalg.norm(self.problem.live))
@@ -130,12 +130,12 @@ class Analysis:
         return Governing(self.associated.factor, self.associated.optimum, self.associated.mechanism)
 
     def collapse(self, joints: int) -> Collapse:
-        """The mechanism of the least factor found, or else the associated one, with its forces; of a structure of so many joints."""
+        """The mechanism of the least factor found, or else the associated one, with its forces; of a structure of some joints."""
         return collapse_of(self.problem, self.governing.optimum, self.governing.mechanism, joints)
 
 
 def collapse_of(problem: LimitProblem, best: Optimum, moves: Mechanism, joints: int) -> Collapse:
-    """A mechanism with the forces found for it; of a structure of so many joints."""
+    """A mechanism with the forces found for it; of a structure of a given number of joints."""
     joint, points, weight = problem.points.joint, problem.points, problem.weight
     normal = weight * best.force[:, 0]
     total = np.bincount(joint, normal, minlength=joints)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Capacity curves: a mechanism followed at finite displacements, and the load factor that the moved structure still bears.
 
-At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.analysis.limit.moved`),
-and a limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.analysis.limit.following`), which
-may be another. Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.analysis.limit.passing`). The factor is drawn over
-the displacement of a control block along the load, until it vanishes.
+At each step the blocks are where the last mechanism has brought them, their joints are found again
+(:mod:`masonry_cd.analysis.limit.moved`), and a limit analysis of this geometry gives the factor and the mechanism that goes on
+(:mod:`masonry_cd.analysis.limit.following`), which may be another. Where no factor is borne, hinges pass to other joints
+(:mod:`masonry_cd.analysis.limit.passing`). The factor is drawn over the displacement of a control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (a descent of
 :mod:`masonry_cd.analysis.limit.search` from the associated mechanism), when ``starts`` asks for it; otherwise the factor is the
@@ -35,7 +35,7 @@ from masonry_cd.mechanics.model.joint_laws import at_start_only
 from masonry_cd.mechanics.model.joints import Joints
 
 STEPS = 40  # from start to end, about
-MOST = 6  # times so many steps at most
+MOST = 6  # times the number of steps at most
 STALLED, WAY = 10, 0.05  # steps on which no block goes as far as this share of the farthest way before: the curve makes no way
 PASSING = 1e-4  # step, as a share of the smallest width, on which a factor that rises makes the stage before it one of no rest ...
 RISES = 1e-3  # ... where it rises by more than this share
@@ -82,7 +82,7 @@ class CapacityCurve:
     changes: tuple[int, ...]  # points at which other joints are at work than before
     jumps: tuple[int, ...]  # points to which blocks went by themselves, the load's displacement held
     falls: bool  # at the last point the factor vanishes
-    end: str  # why the curve ends, in words
+    end: str  # why the curve ends, as text
     remarks: tuple[str, ...]
     seconds: float
 

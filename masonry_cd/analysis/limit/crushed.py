@@ -39,7 +39,7 @@ class CrushedJoint:
 
     @property
     def words(self) -> str:
-        """The joint in words."""
+        """The joint as text."""
         named = f'"{self.block_a}" - "{self.block_b}" ({self.groups}, {pressure(self.strength_pa)})'
         return f"{named} over {100.0 * self.share:.3g} % of its area"
 
@@ -86,7 +86,7 @@ def little_left(problem: LimitProblem, assembly: Assembly, joints: Joints) -> Li
 
 
 def crushed_lines(crushed: tuple[CrushedJoint, ...], left: LittleLeft | None) -> list[str]:
-    """Both in words."""
+    """Both as text."""
     out = [f"crushing: {counted(len(crushed), 'joint')} at the strength at this factor: {_listed(crushed)}"] if crushed else []
     if left is not None:
         out.append(f"the dead loads leave little of the strength: at {left.factor:.4g} times of them joints crush: {_listed(left.joints)}")

@@ -108,7 +108,7 @@ def section_forces(problem: LimitProblem, best: Optimum) -> np.ndarray:
 
 
 def block_shares(problem: LimitProblem, best: Optimum, joints: int) -> np.ndarray:
-    """Share of the area of each of so many joints (J,) that its stress block takes, nan of joints that do not crush."""
+    """Share of the area of each of a given number of joints (J,) that its stress block takes, nan of joints that do not crush."""
     out = np.full(joints, np.nan)
     if problem.sections is not None:
         out[problem.sections.joint] = section_forces(problem, best) / (problem.sections.strength * problem.sections.area)

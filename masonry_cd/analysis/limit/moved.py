@@ -5,8 +5,8 @@ r"""Blocks that have moved by finite amounts: where they are, and the joints tha
 
     R -> exp(s [w]) R,      x -> x + s V v,      V = 1 + (1 - cos a)/a^2 [s w] + (a - sin a)/a^3 [s w]^2,      a = s |w|.
 
-**Joints** are found anew by the contact detection of the dynamics. A point bears where its gap is at most TOUCHING of the smallest width; a
-joint that has become a hinge is a joint with the one edge, or corner, on which its blocks still touch.
+**Joints** are found again by the contact detection of the dynamics. A point bears where its gap is at most TOUCHING of the smallest width;
+a joint that has become a hinge is a joint with the one edge, or corner, on which its blocks still touch.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ class Whole:
     bars: Bars
     gravity: float  # [m/s2], downwards
     rests: Callable[[str], bool]  # whether a group of blocks rests on walls, as a floor does, and is not bonded with them
-    masses: PointMasses = field(default_factory=PointMasses.none)  # beside those of the blocks
+    masses: PointMasses = field(default_factory=PointMasses.none)  # in addition to those of the blocks
     arms: Arms = field(default_factory=Arms.none)  # of the point loads among the dead loads
 
     @cached_property

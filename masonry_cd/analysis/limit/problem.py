@@ -62,7 +62,7 @@ class Arms:
         return cls(np.zeros(0, dtype=np.int64), *np.zeros((3, 0, 3)))
 
     def wrenches(self, forces: np.ndarray, count: int) -> np.ndarray:
-        """Forces (N, 3) at these points as forces and moments (B, 6) on so many blocks [N, N m]."""
+        """Forces (N, 3) at these points as forces and moments (B, 6) on a given number of blocks [N, N m]."""
         out = np.zeros((count, 6))
         np.add.at(out, self.block, np.concatenate([forces, np.cross(self.arm, forces)], axis=1))
         return out
@@ -86,7 +86,7 @@ class PointMasses:
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
 
     def under(self, acceleration: np.ndarray, count: int) -> np.ndarray:
-        """Forces and moments (B, 6) on so many blocks under an acceleration (3,) [m/s2]."""
+        """Forces and moments (B, 6) on a given number of blocks under an acceleration (3,) [m/s2]."""
         out = np.zeros((count, 6))
         force = self.mass[:, None] * acceleration
         np.add.at(out, self.block, np.concatenate([force, np.cross(self.arm, force)], axis=1))

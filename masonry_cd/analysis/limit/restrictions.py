@@ -106,7 +106,7 @@ def _vertical_bending(whole: Whole, element: MacroElement, direction: np.ndarray
 
 
 def _horizontal_bending(whole: Whole, element: MacroElement, direction: np.ndarray) -> Iterator[Restriction]:
-    """Two bodies beside one another, of the part above half of its height or above its lowest level."""
+    """Two bodies next to one another, of the part above half of its height or above its lowest level."""
     low, high = _reach(whole, element.blocks)
     own = _above(whole, element.blocks, element.levels[0] if element.levels else 0.5 * (low + high))
     if not len(own):

@@ -133,7 +133,7 @@ class Stages:
         return least.optimum
 
     def _without_dilation(self, problem: LimitProblem, associated: Optimum, slides: bool) -> Optimum | None:
-        """The answer without dilation, None where there is none beside the associated one, whose mechanism ``slides`` or does not.
+        """The answer without dilation, None where there is none but the associated one, whose mechanism ``slides`` or does not.
 
         The search begins at the associated mechanism. Where only hinges work that is an answer, but if the stage before slid, blocks may
         continue to slide under less: then it begins from the normal forces of that stage.

@@ -59,7 +59,7 @@ class MeasuredMode:
 
 @dataclass(frozen=True)
 class Pair:
-    """A measured mode beside the computed one that answers to it."""
+    """A measured mode next to the computed one that answers to it."""
 
     measured_mode: int
     measured: float  # [Hz]

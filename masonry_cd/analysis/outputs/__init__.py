@@ -28,7 +28,7 @@ LAST = 1000  # place of a number behind those that have one of their own
 class Number:
     """A number of a run."""
 
-    name: str  # in words
+    name: str  # as text
     meaning: str  # its line of the reference
     compute: Callable[[Measured], Any]  # None where a run has no such number
     places: Mapping[str, int] = field(default_factory=lambda: dict.fromkeys(FORMATS, LAST))  # by the FORMATS that show it, in what order

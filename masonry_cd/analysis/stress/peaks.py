@@ -2,7 +2,7 @@
 r"""The stress of a run: principal stresses of the blocks, largest compressions of blocks and joints, against a strength.
 
 A **block** has the mean stress over its volume (:mod:`masonry_cd.mechanics.dynamics.mean_stress`). It hides bending, local pressure under a
-contact, and splitting beside it: a block may fail whose mean is low. A **joint** has the largest compression of a linear distribution
+contact, and splitting next to it: a block may fail whose mean is low. A **joint** has the largest compression of a linear distribution
 without tension of its normal force (:mod:`masonry_cd.mechanics.model.edge_stress`); where rigid blocks turn about an edge that is infinite,
 and what a strength f then says is how much of the joint the force N takes at the least, spread evenly, as in a plastic hinge:
 

@@ -77,7 +77,7 @@ def _deck(case: Case) -> Deck:
     """Return the deck of a case.
 
     Raises:
-        InputError: loads beside a constant gravity and supports that move along the axes; events, links, restitution.
+        InputError: loads in addition to a constant gravity and supports that move along the axes; events, links, restitution.
     """
     loading, run = case.loading, case.scene.run
     if loading.forces is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modal check of a scene: both models, the measured modes beside them, and the files that say so.
+"""The modal check of a scene: both models, the measured modes next to them, and the files that say so.
 
 modal.json            everything below, and the size of the models
 modal.csv             one row per model and mode: frequency, participating masses, measured frequency, error, MAC
@@ -114,7 +114,7 @@ def _number_or_text(text: str) -> float | str:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The modes of one model beside the measured ones."""
+    """The modes of one model next to the measured ones."""
 
     modes: Modes
     pairs: tuple[Pair, ...] = ()
@@ -276,7 +276,7 @@ def _pair(p: Pair) -> dict[str, Any]:
 
 
 def _lines(result: Model) -> list[str]:
-    """The modes in words."""
+    """The modes as text."""
     modes = result.modes
     young = f"{modes.young / 1e9:.4g} GPa" if isinstance(modes.young, (int, float)) else "by group"
     head = f"{modes.method}: E {young}{' (fitted)' if result.factor != 1.0 else ''}, {modes.facts['unknowns']} unknowns"
@@ -373,7 +373,7 @@ def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
 
 
 def _captions(result: Model) -> list[str]:
-    """The measured frequency of each mode, in words."""
+    """The measured frequency of each mode, as text."""
     out = []
     for row in _rows(result):
         similar = f", MAC {row['mac']:.2f}" if row["mac"] != "" else ""

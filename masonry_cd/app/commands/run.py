@@ -52,7 +52,7 @@ def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Resul
     Args:
         case: from :func:`masonry_cd.app.case.prepare`.
         folder: for the results.
-        asked: beside the scene.
+        asked: in addition to the scene.
         say: takes the lines on what is about to be computed.
 
     Raises:

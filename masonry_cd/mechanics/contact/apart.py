@@ -26,7 +26,7 @@ class Apart(NamedTuple):
         return cls(block, None if assembly.absent is None else assembly.absent[block], linked)
 
     def without(self, pairs: np.ndarray, count: int) -> np.ndarray:
-        """Pairs of parts (P, 2) of so many blocks but those without contact."""
+        """Pairs of parts (P, 2) of a given number of blocks but those without contact."""
         if self.absent is not None:
             pairs = pairs[~self.absent[pairs].any(axis=1)]
         if len(self.linked):

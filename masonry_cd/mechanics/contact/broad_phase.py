@@ -2,7 +2,7 @@
 """Broad phase: which parts may meet at all, by their bounding boxes.
 
 The boxes are grown by a skin and by what a part may do within the step, then swept along the axis on which the fewest overlap (sweep and
-prune: Baraff, Ph.D. thesis, Cornell 1992): what falls for ever beside a structure must not have it swept from top to bottom. The list of
+prune: Baraff, Ph.D. thesis, Cornell 1992): what falls for ever next to a structure must not have it swept from top to bottom. The list of
 pairs stays valid until a part has moved through that growth. The common motion of the supports is taken off first, so that shaking alone
 rebuilds nothing.
 """
@@ -21,7 +21,7 @@ SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of th
 
 
 class Listing(NamedTuple):
-    """Where the B blocks were when the pairs were listed, and how far each of the P parts may go until they are listed anew."""
+    """Where the B blocks were when the pairs were listed, and how far each of the P parts may go until they are listed again."""
 
     position: np.ndarray  # (B, 3) centres of mass, the displacement of the supports taken off [m]
     rotation: np.ndarray  # (B, 3, 3) body to world

@@ -4,7 +4,7 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     broad_phase    pairs of parts whose boxes overlap, but those that have no contact (apart)
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
-    flat_contact   finds both anew, for polyhedra
+    flat_contact   finds both again, for polyhedra
     manifold       the points of contact of these
     facets         and those between the facets of faces of meshed blocks
     round_contact  spheres: where they come nearest to others, and to polyhedra
@@ -86,7 +86,7 @@ class Detector:
 
     @property
     def pairs(self) -> np.ndarray:
-        """(P, 2) parts that may meet before the list is made anew."""
+        """(P, 2) parts that may meet before the list is made again."""
         return self._memory.parts
 
     @property
@@ -154,7 +154,7 @@ class Detector:
         return other
 
     def go_on_from(self, other: Detector) -> None:
-        """Remember what one of the same blocks does, of which others are supports or absent, and list pairs anew."""
+        """Remember what one of the same blocks does, of which others are supports or absent, and list pairs again."""
         self.restore(other.snapshot() | {"allowance": np.full(len(self._fixed_part), np.nan)})
 
     def blocks_of_contacts(self) -> np.ndarray:
@@ -168,7 +168,7 @@ class Detector:
         return self._memory.snapshot() | own
 
     def check(self, stored: Stored, contacts: int) -> None:
-        """Check what :meth:`restore` takes, with so many contacts in the last set.
+        """Check what :meth:`restore` takes, with a given number of contacts in the last set.
 
         Raises:
             InputError: an array that no detector of these blocks leaves.
@@ -193,7 +193,7 @@ class Detector:
         self.tally, self.rebuilds = arrays["tally"], int(arrays["rebuilds"])
 
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool, threads: int) -> int:
-        """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
+        """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed again."""
         known, work, tally = (self._memory, self._shapes, motion, self._kind), self._work, [self.tally]
         while len(work) < threads:
             work.append(self._workspace())
@@ -273,7 +273,7 @@ class Detector:
 
 
 def more_points(facets: Any) -> Any:
-    """How many more points a pair may have whose faces have so many facets together."""
+    """How many more points a pair may have whose faces have a given number of facets together."""
     return np.where(facets > 0, ROOM_OF_FACETS[0] + ROOM_OF_FACETS[1] * facets, 0)
 
 

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 INEXACT = 1e-4  # gaps and overlaps of joints as built, up to this share of the smallest width, are inexact coordinates
 MOST_INEXACT = 2e-5  # and no more than this [m]: a fifth of a hairline crack
-GAPES = 5e-3  # between faces that look as if they had a joint [m]; floors have 10 mm of play beside walls
+GAPES = 5e-3  # between faces that look as if they had a joint [m]; floors have 10 mm of play next to walls
 SPANS = 1e-2  # of the mean area of joints: what faces another over less looks like no joint
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""Contact of two polyhedra: the face or the edges that separate them, and the points, found anew as far as the pair has moved.
+r"""Contact of two polyhedra: the face or the edges that separate them, and the points, found again as far as the pair has moved.
 
 **Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
 pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move, as far as their
@@ -48,7 +48,7 @@ FAR = 0.05  # a pair that may move by more than this share of the smaller part's
 
 @borrower()
 def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay, tally):
-    """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m].
+    """Find the points of pair k and their gaps again, as far as the pair has moved; ``margin`` and ``width`` [m].
 
     ``overlay``: with the facets of meshed blocks; None, which is known when this is compiled, where none of the two has any.
     """

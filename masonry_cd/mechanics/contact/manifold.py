@@ -47,7 +47,7 @@ class Manifold(NamedTuple):
 
     @classmethod
     def allocate(cls, corners: int, more: int = 0) -> Manifold:
-        """Memory for the points of two faces with so many corners at most, of their rings, and of ``more`` where facets cut them."""
+        """Memory for the points of two faces with some corners at most, of their rings, and of ``more`` where facets cut them."""
         most = 2 * corners * (MOST // 2) + 8 + more
         return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 

@@ -128,7 +128,7 @@ class PairMemory(NamedTuple):
 
 
 def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes: Shapes, contacts: int) -> None:
-    """Check what a checkpoint holds of pairs (P, 2), with room for ``capacity`` (P,) points each and so many contacts in the last set,
+    """Check what a checkpoint holds of pairs (P, 2), with room for ``capacity`` (P,) points each and some contacts in the last set,
     each of which one point is.
 
     Raises:

@@ -11,7 +11,7 @@ supports' own motion (work of the base). What a tie stores in its stretch counts
 the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
 joint passes to another face, whose springs begin without force; crushing is what joints take that are shortened for good. changes is what
 is put in with blocks and joints that become others (stage.py), and below zero what is taken out.
-correction is the work of lifting blocks out of overlaps, beside the balance.
+correction is the work of lifting blocks out of overlaps, outside the balance.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ opens, is added to the free velocity of the next step. Free rocking is so met to
 
 The weight passes on within the joint that is hit. Of all other joints the law holds for the impulse of the whole step, as it does of
 elastic and bonded contacts: they carry in the first solve what they would without an impact, so that the others get their share, and are
-solved anew in the second, with both. Otherwise the blow alone would part and shift joints under thrust until the next step, which the
+solved again in the second, with both. Otherwise the blow alone would part and shift joints under thrust until the next step, which the
 thrust closes within microseconds: an arch that shakes at 0.25 g so opened by a third too much at dt = 0.25 ms.
 
 The solver remembers the two apart (see ``islands.py``): what it has learnt and what it can use again fits the last impacts best.

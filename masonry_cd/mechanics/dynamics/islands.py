@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Islands: blocks that touch one another only through supports do not feel each other, so each island is solved by itself.
 
-The contact graph, with supports left out, falls into components: columns side by side, a tower beside a church, pieces on the ground.
+The contact graph, with supports left out, falls into components: columns side by side, a tower next to a church, pieces on the ground.
 The friction problem falls apart with it. An island so takes the iterations that it needs and not those of the hardest one, by the method
 and with the parameters that suit it, and one at rest is not solved at all: while the impulses of its last step still do, it sleeps.
 
@@ -13,11 +13,11 @@ with C_i of the C contacts may leave
 which adds up to tolerance^2 size^2: half of it is shared out by size, half by contacts, so that an island that hardly moves is not solved
 to more digits than the others leave.
 
-**What is solved together.** Calling a solver costs as much as some hundred contacts do. In every REVIEW-th step the islands are found anew
+**What is solved together.** Calling a solver costs as much as some hundred contacts do. In every REVIEW-th step the islands are found again
 and gathered: those that are easy (no solve took more than EASY iterations since the last review) and those at rest in groups of up to FULL
 contacts each; hard ones are solved alone. If all are easy there is nothing to win, and they stay one problem. Each group has a memory of
 its own, with a factorisation that fits its blocks. Groups that come into touch are one until the next review, or else a piece that bounces
-would have a church analysed anew each time.
+would have a church analysed again each time.
 """
 
 from __future__ import annotations
@@ -178,7 +178,7 @@ class Islands:
         return arrays
 
     def check(self, stored: Stored, unknowns: int) -> None:
-        """Check what :meth:`restore` takes, with so many unknowns per block.
+        """Check what :meth:`restore` takes, with a given number of unknowns per block.
 
         Raises:
             InputError: an array that no run of these blocks leaves.

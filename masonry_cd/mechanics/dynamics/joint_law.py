@@ -21,7 +21,7 @@ so a stiffness limits no time step: for k -> infinity C vanishes. g^0 = g - (1 -
 s^0 is remembered, as a vector that turns with the antagonist. theta = 1/2 is of second order and keeps the energy; above, a mode of
 circular frequency omega is damped by (2 theta - 1) omega h / 2, and one too stiff for the step decays by (1 - theta) / theta per step.
 
-**Dashpots.** Beside the spring a dashpot of beta times its stiffness takes part in the force, which is that of the stretch plus beta times
+**Dashpots.** Next to the spring a dashpot of beta times its stiffness takes part in the force, which is that of the stretch plus beta times
 its rate, (g^1 - g^0) / h on the normal (a Kelvin-Voigt joint; all of them together are Rayleigh's stiffness-proportional damping, which
 takes pi f beta of critical from a mode of frequency f). With a = theta h + beta that is
 

@@ -23,7 +23,7 @@ The force of a rigid impact is not finite; its impulse is, so this mean does not
 two frames. What an impact carries over to the next step (``impacts.py``) has no place on the block and is left out: half a step's weight.
 
 **Blocks that deform** have the stress of their strain instead, that of their viscosity included: the same in the mean, since the step
-solves the equation of motion of the strain (``strain.py``). Of meshed blocks the stress of each element is kept beside
+solves the equation of motion of the strain (``strain.py``). Of meshed blocks the stress of each element is kept next to it
 (``element_stress.py``).
 
 **What contacts leave open.** Of the contacts of a joint only the resultant is determined where blocks are rigid: friction that pulls its
@@ -129,7 +129,7 @@ class MeanStress:
         return self._sums.normal / time, self._sums.moment / time
 
     def begin(self) -> None:
-        """Begin anew, at a frame."""
+        """Begin again, at a frame."""
         for array in (*self._sums, self._time, *self._of_elements().values()):
             array[...] = 0.0
         self._spin = self._spin_now()

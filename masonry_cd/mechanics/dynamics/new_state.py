@@ -83,7 +83,7 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:
-    """In words, the block whose velocity (B, 6) is not finite or too large, and the contact with the worst impulse (C, m)."""
+    """As text, the block whose velocity (B, 6) is not finite or too large, and the contact with the worst impulse (C, m)."""
     largest = np.abs(velocity).max(axis=1)  # NaN where one is
     block = int(np.argmax(np.where(np.isnan(largest), np.inf, largest)))
     what = "is too large for a finite energy" if np.isfinite(largest[block]) else "is not finite"
@@ -91,7 +91,7 @@ def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse
 
 
 def _worst_contact(system: System, made: StepProblem, impulse: np.ndarray) -> str:
-    """In words, the contact whose impulse is the first that is not finite, or else the largest."""
+    """As text, the contact whose impulse is the first that is not finite, or else the largest."""
     size = np.abs(impulse).sum(axis=1)
     if not len(size):
         return "; no contact"

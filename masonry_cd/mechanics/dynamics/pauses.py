@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Shocks in a row: the pauses between them end as soon as the structure is still; what each shock leaves behind.
 
-The loads of a run are laid out over steps k = 0 .. N in which every pause has its full length. The step of the loads runs beside that
+The loads of a run are laid out over steps k = 0 .. N in which every pause has its full length. The step of the loads runs next to that
 of the run; in a pause of the loads, during which nothing changes, it jumps to the end of the pause once
 
     max (|v| + |w| r)  over the blocks that stand   <   the pause's speed       for its ``hold`` steps in a row,

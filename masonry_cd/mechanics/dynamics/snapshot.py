@@ -43,7 +43,7 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
 
 
 def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) -> None:
-    """Check what :func:`restored_motion` takes: arrays of a run whose motions are of the shapes of ``motion``, with so many contacts.
+    """Check what :func:`restored_motion` takes: arrays of a run whose motions are of the shapes of ``motion``, with some contacts.
 
     Raises:
         InputError: an array that no run of this scene leaves.

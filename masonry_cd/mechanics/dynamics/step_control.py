@@ -47,7 +47,7 @@ class StepControl:
     missed: bool = False
 
     def next_span(self, ticks: int, room: int, allows: Callable[[int], bool]) -> int:
-        """Length of the step that begins after so many ticks, with ``room`` ticks to the next instant that has to be met.
+        """Length of the step that begins after a given number of ticks, with ``room`` ticks to the next instant that has to be met.
 
         Args:
             ticks: since the start of the run.

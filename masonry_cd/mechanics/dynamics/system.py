@@ -179,7 +179,7 @@ class System:
         return np.ix_(self.free, self.blocks.columns[self.turning] - 3)
 
     def threads_for(self, contacts: int) -> int:
-        """Threads that pay for so many contacts, see :func:`masonry_cd.mechanics.solvers.options.threads_that_pay`."""
+        """Threads that pay for a given number of contacts, see :func:`masonry_cd.mechanics.solvers.options.threads_that_pay`."""
         return threads_that_pay(self.settings.threads, contacts, self.rows)
 
     def speeds(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

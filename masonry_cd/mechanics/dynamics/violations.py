@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Violations of the contact laws after a step in m/s, and the slip and the opening that come of them.
 
-The natural map error is one number, a share of |q|. Where a light block takes a large force that norm is huge, and what is small beside it
-need not be small beside the motion. So each step is measured in m/s as well, contact by contact, with the normal and the tangential
-residual of Alart & Curnier (Comput. Methods Appl. Mech. Engrg. 92, 1991), both zero exactly at a solution:
+The natural map error is one number, a share of |q|. Where a light block takes a large force that norm is huge, and what is small compared
+with it need not be small compared with the motion. So each step is measured in m/s as well, contact by contact, with the normal and the
+tangential residual of Alart & Curnier (Comput. Methods Appl. Mech. Engrg. 92, 1991), both zero exactly at a solution:
 
     parting    min( w_n, rho p_n )
     slipping   rho p_t - P( rho p_t - w_t ),     P the projection onto the disc of radius mu rho max(p_n, 0)

@@ -125,7 +125,7 @@ def warps_of(assembly: Assembly, plane: Plane | None, others: int) -> int:
 
 
 def _count(meshes: tuple[BlockMesh, ...], others: int, room: int) -> int:
-    """How many warps fill the unknowns of a block, beside ``others``, up to the next of UNKNOWNS that is no less than ``room``."""
+    """How many warps fill the unknowns of a block, next to ``others``, up to the next of UNKNOWNS that is no less than ``room``."""
     least = max(room, others + max(mesh.warps for mesh in meshes))
     return next(n for n in UNKNOWNS if n >= least) - others
 
@@ -145,7 +145,7 @@ def _meshes(assembly: Assembly, deformation: Deformation, plane: Plane | None) -
 
 
 def _arrays(meshes: tuple[BlockMesh, ...], of_block: np.ndarray, count: int) -> WarpArrays:
-    """The arrays of the kernels, with so many warps."""
+    """The arrays of the kernels, with a given number of warps."""
     shapes = [warp_shapes(mesh) for mesh in meshes]
     node_start = np.cumsum([0, *(len(mesh.nodes) for mesh in meshes)])
     return WarpArrays(

@@ -36,7 +36,7 @@ UNCOUPLED = {m: Coupling(np.empty((0, m, m)), FULL, FULL) for m in (2, 3)}  # ov
 
 
 def pattern_of(count: int, bodies: np.ndarray, coupling: Coupling, kept: np.ndarray | None = None) -> Pattern:
-    """The pattern of the matrices of a problem of so many bodies, and those of its contacts (C, 2); with the pairs ``kept`` of another."""
+    """The pattern of the matrices of a problem of some bodies, and those of its contacts (C, 2); with the pairs ``kept`` of another."""
     if len(coupling.indptr):
         return Pattern.of(count, np.repeat(np.arange(count), np.diff(coupling.indptr)), coupling.indices, kept, in_subtrees=False)
     return Pattern.of(count, bodies[:, 0], bodies[:, 1], kept)

@@ -173,7 +173,7 @@ def load_mass(problem, b, blocks):
 
 @borrower(forceinline=True)
 def add_product(problem, x, y, rows, one, other, out):
-    """out (n, n) += x^T y of so many rows of the bodies at two places, as far as these have unknowns; narrow ones are of one contact."""
+    """out (n, n) += x^T y of some rows of the bodies at two places, as far as these have unknowns; narrow ones are of one contact."""
     if is_wide(problem.n):
         add_squares(1.0, x, True, y, rows, (unknowns_at(problem, one, one), unknowns_at(problem, other, other)), out)
     else:

@@ -19,7 +19,7 @@ impulses alone, with the Delassus operator W = H M^-1 H^T and q = H v_free + b:
 It has no unit, does not change when masses or lengths are rescaled, and is zero exactly at a solution. Norms over all
 contacts; if q = 0 the numerator alone is the error. The rounding error of r is added, or else impulses that have grown without bound
 (a block between closing supports) would hide every residual. The measure of the literature, without the scaling (d_c = 1), stands
-beside it (Acary, Bremond & Huber, "On solving contact problems with Coulomb friction", 2018).
+next to it (Acary, Bremond & Huber, "On solving contact problems with Coulomb friction", 2018).
 """
 
 from __future__ import annotations

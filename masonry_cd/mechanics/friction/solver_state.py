@@ -15,7 +15,7 @@ import numpy as np
 from masonry_cd.mechanics.linalg.ordering import FIELDS, Pattern
 
 OWN = "own."  # begins the names of arrays of solvers from elsewhere
-NUMBERS = ("bodies", "squares", "panels", "rho")  # of factors, beside the pattern
+NUMBERS = ("bodies", "squares", "panels", "rho")  # of factors, next to the pattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Learnt:
     """Parameters learnt from step to step; they outlive a change of the contacts."""
 
     k: float = 1e4  # of ADMM, that did best; see admm.py for the first
-    stale: bool = True  # whether the next step is to factorise anew
+    stale: bool = True  # whether the next step is to factorise again
     steps: int = 0
     mean_iterations: float = 0.0  # of a step at this k
     rate: float = 1.0  # error over the change of p in the last iteration that was measured; 1: none was

@@ -73,7 +73,7 @@ class Pattern:
         return (self.pairs, self.order, self.place, *self.symbolic[:-1])
 
     def with_width(self, width: np.ndarray) -> Pattern:
-        """The pattern of nodes with so many rows each (N,), in their own order; (0,): all that a block has."""
+        """The pattern of nodes with a given number of rows each (N,), in their own order; (0,): all that a block has."""
         return replace(self, symbolic=self.symbolic._replace(width=width[self.order])) if len(width) else self
 
     def operations(self, n: int) -> float:

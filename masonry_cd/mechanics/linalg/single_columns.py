@@ -26,7 +26,7 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 @borrower(fastmath={"contract"})
 def subtract_block_product(c, at, a, i, b, shape, size_n):
-    """c[at] -= a[i] b for blocks; a[i] has so many rows and columns, and b so many columns, as ``shape`` says where they are wide.
+    """c[at] -= a[i] b for blocks; a[i] has some rows and columns, and b some columns, as ``shape`` says where they are wide.
 
     For n = 6 a row of c is held in registers.
     """

@@ -102,7 +102,7 @@ def invert(a, width, out, work, size_n):
 
 @borrower(forceinline=True)
 def _take_off_row(a, k, scale, factors, n, size_n):
-    """Scale row k of a block (n, n), and take it off all rows, so many times each. Six of its entries, or STEP, are held in registers."""
+    """Scale row k of a block (n, n), and take it off all rows, some times each. Six of its entries, or STEP, are held in registers."""
     if is_wide(size_n):
         for t in range(0, n, STEP):
             four = add_times(fill_four(0.0), scale, load_four(a, k, t))
@@ -125,7 +125,7 @@ def _take_off_row(a, k, scale, factors, n, size_n):
 
 @borrower(fastmath={"contract", "reassoc"})
 def dot(x, y, length):
-    """x . y of so many entries."""
+    """x . y of a given number of entries."""
     total = 0.0
     for k in range(length):
         total += x[k] * y[k]

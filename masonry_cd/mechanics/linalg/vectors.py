@@ -27,7 +27,7 @@ _INDEX = ir.IntType(32)
 
 
 class Lanes(types.Type):
-    """numba's type of so many floats of one kind in a register."""
+    """numba's type of a given number of floats of one kind in a register."""
 
     def __init__(self, dtype: types.Float, count: int) -> None:
         self.dtype, self.count = dtype, count
@@ -63,7 +63,7 @@ def _filler(count: int) -> Callable[..., Any]:
 
 
 def _loader(count: int) -> Callable[..., Any]:
-    """An intrinsic that loads so many entries of a row of a contiguous matrix from a column on; its end is not checked."""
+    """An intrinsic that loads a given number of entries of a row of a contiguous matrix from a column on; its end is not checked."""
 
     def load(typing: Any, matrix: types.Array, row: types.Integer, column: types.Integer) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -45,7 +45,7 @@ def add_square(out, p, t, sign, lines):
 
 @borrower()
 def multiply_blocks(a, b, shape, out, size_n):
-    """out = a b; a has so many rows and columns, and b so many columns, as ``shape`` says where blocks are wide."""
+    """out = a b; a has a given number of rows and columns, and b a given number of columns, as ``shape`` says where blocks are wide."""
     if is_wide(size_n):
         rows, inner, columns = shape
         clear_rows(rows, columns, out)

@@ -22,7 +22,7 @@ class Acting(NamedTuple):
     force: np.ndarray  # (N, 3) [N]
     arm: np.ndarray  # (N, 3) from the centre of mass of the block [m]
     tension: np.ndarray  # (T,) of the ties [N]
-    moment: np.ndarray | None = None  # (N, 3) beside those of the arms, which strain no block [N m]; None: there are none
+    moment: np.ndarray | None = None  # (N, 3) in addition to those of the arms, which strain no block [N m]; None: there are none
 
     def wrench(self, blocks: int) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on each of B blocks, (B, 6)."""

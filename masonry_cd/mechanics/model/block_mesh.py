@@ -20,7 +20,7 @@ from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.mechanics.model.geometry import Faces, Polyhedron, area_vectors
 
 MOST_UNKNOWNS = 768  # of a block, which are solved for together: kernels are compiled for their number
-HOPELESS = 20  # times MOST_UNKNOWNS: so many nodes are not meshed to be counted
+HOPELESS = 20  # times MOST_UNKNOWNS: a given number of nodes are not meshed to be counted
 DIGITS = 12  # of a coordinate over the size of the block: shapes that agree in these share a mesh
 FILLED = 1e-6  # by what share of its volume a mesh may miss its block
 ALONG = 1e-6  # normals this close to the normal of the plane are along it

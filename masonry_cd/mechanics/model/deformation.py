@@ -12,7 +12,7 @@ block by
     G_ij = g E_i / (E_i + E_j),        G_ji = g E_j / (E_i + E_j),        E_i = integral of rho X_i^2,
 
 which turns it by nothing in the mean: the six shapes have no momentum and no angular momentum, neither of each other, so that the mass
-matrix of a block is that of the rigid one beside a diagonal one,
+matrix of a block is that of the rigid one next to a diagonal one,
 
     M_e = (E_x, E_y, E_z, E_y E_z / (E_y + E_z), E_x E_z / (E_x + E_z), E_x E_y / (E_x + E_y)),
 

@@ -53,7 +53,7 @@ class ElasticBlocks(Table):
     def _keys_have_a_use(self) -> ElasticBlocks:
         kinds = self.deformable.values() if isinstance(self.deformable, dict) else [self.deformable]
         deforms = any(kind != RIGID for kind in kinds)
-        if not deforms and "deformable" in self.model_fields_set:  # rigid in so many words: the rest waits, to compare
+        if not deforms and "deformable" in self.model_fields_set:  # rigid as the scene says: the rest waits, to compare
             return self
         for key in ("young", "poisson", "damping", "damping_frequency", "strain_theta"):
             if key in self.model_fields_set and not deforms:

@@ -2,7 +2,7 @@
 """The fill of a bridge: loose material between the masonry and the road, as what it does to the blocks that it touches.
 
 It is not made of blocks. Its weight rides on the blocks below it (:class:`masonry_cd.mechanics.model.blocks.Carried`), it presses on what
-stands beside it, it resists what moves into it, and it spreads the wheels on the road. Structures make it, loads ask it.
+stands next to it, it resists what moves into it, and it spreads the wheels on the road. Structures make it, loads ask it.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Fill:
     def reach(self) -> float:
         """Movement of a face away over its depth, at which nothing presses any more: ``gone_at``, or by the slope of repose.
 
-        Fill beside a wall of height H that moves away by d slumps to slopes of phi; as its volume stays, it reaches up to
+        Fill next to a wall of height H that moves away by d slumps to slopes of phi; as its volume stays, it reaches up to
         H - sqrt(2 d H tan(phi)) of it, and its pressure, which goes with that height squared, does the work of one that falls evenly to
         nothing over H / (6 tan(phi)). Below 9.5 degrees that would be more than H, which is the most.
         """

@@ -32,7 +32,7 @@ class Guide:
         return replace(self, velocity=np.zeros_like(self.velocity))
 
     def extended(self, steps: int) -> Guide:
-        """The guide with so many more steps, at rest."""
+        """The guide with a given number of further steps, at rest."""
         return replace(self, velocity=np.pad(self.velocity, (0, steps)))
 
     def places(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ neighbours move by grad u d, the slips of bed and head joints add up, and phi ta
 
     1/2 P (u_x,z + phi)^2 + 1/2 Q (u_z,x - phi)^2        is least:        1 / G_wall = 1 / P + 1 / Q.
 
-P = f G are the slips of the bed itself. Q holds the block against turning by what is beside it: with the vectors d_i between the centroids
+P = f G are the slips of the bed itself. Q holds the block against turning by what is next to it: with the vectors d_i between the centroids
 of the blocks of its joints, t across n, and its volume V,
 
     Q = sum_i A_i kappa_i (t . d_i)^2 / (2 V),        kappa_i = k_n c^2 + k_t (1 - c^2),        c = n_i . n.
@@ -113,7 +113,7 @@ def _bond_factors(
 
 
 def _factor(q_0: np.ndarray, q_1: np.ndarray) -> np.ndarray:
-    """The root f > 0 of the equation at the head of this file; 1 where nothing is beside the block."""
+    """The root f > 0 of the equation at the head of this file; 1 where nothing is next to the block."""
     b = 1.0 + q_1 - q_0
     root = b + np.sqrt(b * b + 4.0 * q_1 * q_0)
     return np.where(q_1 > ALONE, root / (2.0 * np.maximum(q_1, ALONE)), 1.0)

@@ -70,7 +70,7 @@ BETTER = {
 """Features that make masonry better than its kind, and their names in the code."""
 AS_FOUND = ("good mortar", "brick courses", "transverse connections")  # of them the two with the largest factors count
 STIFFENING = {"good mortar": 1.0, "grout injection": 1.0, "reinforced plaster": 1.0, "reinforced repointing": 0.5}  # share on moduli
-BESIDE_PLASTER = ("transverse connections", "reinforced repointing")  # which do not count beside reinforced plaster
+BESIDE_PLASTER = ("transverse connections", "reinforced repointing")  # which do not count with reinforced plaster
 NO_BEDS = "brick courses"  # do nothing for f_v0
 
 KINDS = {

@@ -63,7 +63,7 @@ BETTER = 0.8  # share of the mean iterations below which a trial wins
 
 
 def next_k(learnt: Learnt) -> float:
-    """The k of the next step: the best so far, and now and then one beside it."""
+    """The k of the next step: the best so far, and now and then one next to it."""
     if learnt.steps % PROBE == PROBE - 1:
         return learnt.k * (BESIDE if learnt.steps // PROBE % 2 else 1.0 / BESIDE)
     return learnt.k

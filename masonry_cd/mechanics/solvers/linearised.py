@@ -26,7 +26,7 @@ from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.augmented import NUMBERS, augment_blocks, rotate_blocks
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, sum_of_chunks
 
-STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
+STIFFEST = 1e12  # K of interior and proximal points; stiff springs next to rigid contacts settle where K exceeds d / C
 
 
 class Settings(NamedTuple):

@@ -50,7 +50,7 @@ def _check_learnt(stored: Stored, name: str) -> None:
 
 
 def _check_factors(stored: Stored, bodies: int, unknowns: int) -> None:
-    """The pattern and the factors of ADMM; their values are made anew where they are not of the contacts of the step."""
+    """The pattern and the factors of ADMM; their values are made again where they are not of the contacts of the step."""
     nodes = len(stored.whole("order", None, high=bodies))
     pairs = stored.whole("pairs", None, high=nodes * nodes)
     if (np.diff(pairs) <= 0).any() or (pairs // max(nodes, 1) >= pairs % max(nodes, 1)).any():

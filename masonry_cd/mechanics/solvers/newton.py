@@ -18,7 +18,7 @@ and the step is halved until the residual, in the norm of M^-1, falls. A step th
 where one contact changes its status, as in pivoting methods (Ralph, Math. Oper. Res. 19, 1994). Velocities are counted from that of the
 centre, which spares rounding.
 
-Stiff springs of the contacts' own settle beside rigid contacts where K exceeds d / C: hence its bound of 1e12.
+Stiff springs of the contacts' own settle next to rigid contacts where K exceeds d / C: hence its bound of 1e12.
 """
 
 from __future__ import annotations

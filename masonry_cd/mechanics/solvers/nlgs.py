@@ -7,7 +7,7 @@ G = H L,
 
     w_c = q_c + G_c y + C_c p_c,     p_c <- law(w_c - (W + C)_cc p_c),     y <- y + G_c^T (new p_c - old p_c).
 
-In one sweep the error propagates by about one joint, so tall stacks need many. The joints are taken in an order that is drawn anew in each
+In one sweep the error propagates by about one joint, so tall stacks need many. The joints are taken in an order that is drawn again in each
 sweep from a seed: equal seeds give equal bits. From COLOURED contacts on they are coloured so that no two of a colour share a moving block;
 then the colours come in random order, and the joints of a colour in parallel. The number of contacts decides it, so threads change no bit.
 Fewer joints go one by one: colour by colour a pile of 14 rough balls was left at 2e-6 after 10,000 sweeps, where joint by joint it took 720

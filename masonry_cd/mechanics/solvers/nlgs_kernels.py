@@ -138,7 +138,7 @@ def sweep_by_team(team, scaled, joints, colours):
 
 @kernel()
 def measure_by_team(team, scaled, sums):
-    """Set y of a ScaledProblem anew; returns the natural map error of its impulses."""
+    """Set y of a ScaledProblem again; returns the natural map error of its impulses."""
     first, end = share_of(team, 0, len(scaled.factor))
     collect(scaled, first, end)
     wait(team)

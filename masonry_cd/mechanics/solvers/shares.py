@@ -60,7 +60,7 @@ def begin_sums(shares):
 
 @borrower()
 def sum_of(shares, lane, count):
-    """After a wait, the sum of so many numbers that went last to a lane."""
+    """After a wait, the sum of a given list of numbers that went last to a lane."""
     sums, turn, total = shares.sums, shares.turn[0], 0.0
     for k in range(count):
         total += sums[turn, lane, k]
@@ -69,7 +69,7 @@ def sum_of(shares, lane, count):
 
 @borrower()
 def sum_of_chunks(shares, lane, contacts):
-    """:func:`sum_of` one number for each chunk of so many contacts."""
+    """:func:`sum_of` one number for each chunk of a given number of contacts."""
     return sum_of(shares, lane, -(-contacts // CHUNK))
 
 

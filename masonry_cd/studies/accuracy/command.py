@@ -33,7 +33,7 @@ class Asked:
     changes: tuple[str, ...] = ()  # of a scene, ``key=value``
     ensemble: int | None = None  # runs of each setting
     workers: int = 1  # of an ensemble
-    force: bool = False  # overwrite what the folder holds; begin an ensemble anew
+    force: bool = False  # overwrite what the folder holds; begin an ensemble again
     quiet: bool = False
 
     @property

@@ -280,7 +280,7 @@ def _panel(rows: Sequence[EnsembleRow], key: str) -> Panel:
 
 
 def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:
-    """The ensembles in words, the last line says which setting is good enough."""
+    """The ensembles as text, the last line says which setting is good enough."""
     finest, count, best = rows[-1], len(rows[0].members), good_enough(rows)
     seen = 1.96 * math.sqrt(2.0 / count)
     lines = [

@@ -207,7 +207,7 @@ def _run_row(summary: Summary, motion: Motion, reference: Motion, is_reference: 
 
 
 def _lines(title: str, rows: Sequence[SceneRow]) -> list[str]:
-    """The runs in words: the finest, the fastest, and how the error falls with the time step."""
+    """The runs as text: the finest, the fastest, and how the error falls with the time step."""
     reference, runs = rows[0], rows[1:]
     finest = min(runs, key=lambda row: (row.tolerance, row.dt))
     fastest = min(runs, key=lambda row: row.stepping_seconds)

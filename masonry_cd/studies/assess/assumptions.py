@@ -271,7 +271,7 @@ def _tables_of(tables: Tables) -> list[Tables]:
 
 
 def _kinds(tables: Tables) -> str:
-    """The kinds of the structures, in words."""
+    """The kinds of the structures, as text."""
     return "a structure of kind " + ", ".join(dict.fromkeys(f'"{table["kind"]}"' for table in _tables_of(tables)))
 
 

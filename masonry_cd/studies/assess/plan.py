@@ -33,7 +33,7 @@ class Part:
     member: int = 0
 
     def values(self) -> dict[str, str]:
-        """Levels by their assumptions, in words."""
+        """Levels by their assumptions, as text."""
         return {assumption.name: level.name for assumption, level in self.levels}
 
 

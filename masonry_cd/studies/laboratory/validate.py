@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Repeats a case: its scenes and runs in a folder, its table, and its curves beside the measured ones."""
+"""Repeats a case: its scenes and runs in a folder, its table, and its curves next to the measured ones."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def validate(name: str, folder: Path, say: Say) -> Result[Found]:
 
 
 def table_lines(found: Found) -> list[str]:
-    """The rows in words."""
+    """The rows as text."""
     return [
         f"{row.quantity}: {row.measured:.4g} {row.unit} measured or by others; "
         + ", ".join(f"{word} {value:.4g} ({value / row.measured:.2f})" for word, value in _computed(row))

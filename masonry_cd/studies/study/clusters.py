@@ -35,7 +35,7 @@ GIGABYTE = 1e9
 SETTINGS = {
     "distributed.scheduler.allowed-failures": DEATHS,
     "distributed.comm.timeouts.connect": f"{ANSWER:g}s",
-    "distributed.deploy.lost-worker-timeout": "1000h",  # a worker that starts anew is not there for a while; it is not to be given up
+    "distributed.deploy.lost-worker-timeout": "1000h",  # a worker that starts again is not there for a while; it is not to be given up
     "distributed.admin.large-graph-warning-threshold": "1GB",
 }
 
@@ -79,7 +79,7 @@ class Where:
 
     @property
     def patience(self) -> float:
-        """How long to wait where there are no workers [s]: those of others may come at any time, ours start anew within seconds."""
+        """How long to wait where there are no workers [s]: those of others may come at any time, ours start again within seconds."""
         return SILENT if self.scheduler is None and self.slurm is None else math.inf
 
 

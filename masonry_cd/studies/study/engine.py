@@ -35,7 +35,7 @@ GONE = "the scheduler does not answer any more"
 
 
 class ClusterLost(Exception):
-    """The scheduler does not answer any more, or there are no workers; what had not come back is to be made again. Says which in words."""
+    """The scheduler does not answer any more, or there are no workers; what had not come back is to be made again. Says which as text."""
 
 
 @dataclass

@@ -89,7 +89,7 @@ class StudyFolder:
         own_files.begin(self.path, (*self._names(), *more), is_study)
 
     def _names(self) -> tuple[str, ...]:
-        """All files beside the folders that a study or an assessment may write."""
+        """All files next to the folders that a study or an assessment may write."""
         return (*files_of("study"), *files_of("assess"), *files_of("accuracy"), NAME, TEXT, "probability_*.png")
 
     def clear(self) -> None:

@@ -64,7 +64,7 @@ def write_limits(folder: Path, plan: Plan, rows: Rows) -> None:
 
 
 def limit_lines(plan: Plan, rows: Rows) -> list[str]:
-    """The table in words, a line for each analysis that is done."""
+    """The table as text, a line for each analysis that is done."""
     out = []
     for run in plan.ordered():
         made = rows[run.name].limit if run.name in rows else None

@@ -176,7 +176,7 @@ class Plan:
 
     @property
     def line(self) -> str:
-        """How many runs there are, in words."""
+        """How many runs there are, as text."""
         more = ", and those that follow" if self.adapts else ""
         return f"{self._study.title}: {len(self.runs)} runs{more}, design {self.design}"
 

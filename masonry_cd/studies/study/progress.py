@@ -70,7 +70,7 @@ class StudyProgress:
             self._show(self.line(min(running, threads), threads))
 
     def line(self, running: int, threads: int) -> str:
-        """The state in words."""
+        """The state as text."""
         left = self.seconds_left(threads)
         rest = "waiting for workers" if not threads else "" if left is None else f"{in_words(left)} left"
         failed = f", {self.failed} failed" if self.failed else ""

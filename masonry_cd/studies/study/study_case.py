@@ -39,7 +39,7 @@ class Options:
 
     where: Where
     retry: bool = False  # make failed runs again
-    force: bool = False  # begin anew
+    force: bool = False  # begin again
     resume: bool = False  # refuse a folder that holds no study
     quiet: bool = False
     warn: Callable[[Sequence[str]], object] = lambda _: None  # called with what is doubtful of the first run, before any is made

@@ -3,8 +3,8 @@
 
 A run looks at the clock after each step, which does not end a step that never returns; nor does an alarm of Python reach code that does
 not come back to Python. A thread without Python does (faulthandler): when the time is up it writes where the program hangs, and ends the
-process of the worker. Its nanny starts the worker anew, and the scheduler gives the run away again; who gets it finds what was written, and
-gives up.
+process of the worker. Its nanny starts the worker again, and the scheduler gives the run away again; who gets it finds what was written,
+and gives up.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def _trace(task: Task) -> Path:
 
 
 def _starts_anew() -> bool:
-    """Return True if this is a worker whose nanny starts it anew when it ends."""
+    """Return True if this is a worker whose nanny starts it again when it ends."""
     from distributed import get_worker
 
     try:

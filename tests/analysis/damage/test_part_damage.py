@@ -135,7 +135,7 @@ def test_a_pier_leaning_as_a_whole_overturns(tmp_path: Path) -> None:
 
 
 def test_fallen_blocks_are_lost_and_their_joints_make_no_crack(tmp_path: Path) -> None:
-    """The cap falls beside the pier: the pier is whole, the cap is lost; of the structure a seventh has gone."""
+    """The cap falls next to the pier: the pier is whole, the cap is lost; of the structure a seventh has gone."""
     rest = at_rest(PIER)
     damage = damage_of(tmp_path, PIER, [rest, shifted(rest, 4, (1.5, 0, -3.0))])
     rows = rows_of(damage)
@@ -178,7 +178,7 @@ def test_a_single_course_that_slides_has_a_crack_but_no_drift(tmp_path: Path) ->
 
 
 def test_spheres_that_shift_are_no_drift(tmp_path: Path) -> None:
-    """Two layers of fill, of which the upper one rolls by a third of its height, beside a pier that stands."""
+    """Two layers of fill, of which the upper one rolls by a third of its height, next to a pier that stands."""
     layers = enumerate((0.2, 1.2))
     blocks = [*PIER, *(Block.sphere(f"s{k}", np.array([3.0 + 0.2 * k, 0.0, z]), 0.2, 2000.0, "fill") for k, z in layers)]
     rest = at_rest(blocks)

@@ -23,7 +23,7 @@ QUIET = Options(starts=0)
 
 
 def pillar(width=0.5, depth=0.3, height=1.5, friction=0.6, direction=(1.0, 0.0, 0.0), laws=None):
-    """A box on the ground, beside the middle of its plate, so that it needs space."""
+    """A box on the ground, next to the middle of its plate, so that it needs space."""
     return pushed([ground(2.0), box("a", (0.0, -0.2, 0.0), (width, depth - 0.2, height))], friction, direction, laws)
 
 

@@ -66,7 +66,7 @@ def test_without_the_ties_that_hold_it_up_a_structure_has_no_mechanism_and_a_rem
 
 
 def test_in_space_a_tie_that_a_mechanism_stretches_pulls_in_the_search() -> None:
-    """The pillar beside a block that makes it no structure in a plane; its rod bears as by hand."""
+    """The pillar next to a block that makes it no structure in a plane; its rod bears as by hand."""
     aside = box("aside", (3.0, 0.5, 0.0), (4.0, 1.5, 0.3))
     analysis, _, _ = found_of([ground(5.0), *pillar()[1:], aside], 0.65, rod(500.0))
     by_hand = (2000.0 * GRAVITY * 0.3 * 0.25 + 500.0 * np.sqrt(0.5) * 1.5) / (2000.0 * GRAVITY * 0.3 * 0.75)
@@ -101,7 +101,7 @@ def test_what_slides_dilates_as_associated_and_not_in_the_search() -> None:
 
 
 def test_what_spreads_over_many_bodies_is_no_oscillator() -> None:
-    """Twelve pillars that lean one by one: the same e* = 1 by its formula; and one that leans beside a heavy one that hardly moves."""
+    """Twelve pillars that lean one by one: the same e* = 1 by its formula; and one that leans next to a heavy one that hardly moves."""
     apart = [box(f"p{k}", (k, -0.2, 0.0), (k + 0.5, 0.2, 1.5)) for k in range(12)]
     assembly, joints = joined([ground(20.0), *apart], 0.65)
     options = Options(starts=0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Why the least factor may lie far below what a held push of the dynamics bears: friction in joints whose normal force nothing decides.
 
-A slab stands on a narrow foot and, halfway up, on ledges beside it. It overturns inwards together with its foot, and slides on the ledges
+A slab stands on a narrow foot and, halfway up, on ledges next to it. It overturns inwards together with its foot, and slides on the ledges
 without opening there. Where the foot bears all of its weight, as equilibrium allows, the ledges hold nothing and the two overturn as one
 body; where the ledges bear their share, as built, friction on them holds it. Both are answers of Coulomb's law.
 """
@@ -24,7 +24,7 @@ ALONE = 0.25 / ((0.75 * 0.75 + 2.25 * 2.25) / 3.0)  # half of the thickness over
 
 
 def on_ledges(friction_there: float) -> Assembly:
-    """Foot of 1 m and slab of 3 m by 0.5 m, 1.5 m high each; fixed ledges 5 cm beside the foot."""
+    """Foot of 1 m and slab of 3 m by 0.5 m, 1.5 m high each; fixed ledges 5 cm next to the foot."""
     ledges = [box("west", (-1.5, 0.0, 0.0), (-0.55, 0.5, 1.5), fixed=True), box("east", (0.55, 0.0, 0.0), (1.5, 0.5, 1.5), fixed=True)]
     stones = [box("foot", (-0.5, 0.0, 0.0), (0.5, 0.5, 1.5)), box("slab", (-1.5, 0.0, 1.5), (1.5, 0.5, 3.0))]
     blocks = [ground(4.0), *(replace(ledge, group="ledge") for ledge in ledges), *stones]

@@ -28,7 +28,7 @@ def least(whole, part) -> Found:
 
 
 def test_courses_that_overturn_are_a_free_standing_wall() -> None:
-    """alpha = tan(beta - theta), and d0* = b/2; whatever it is laid of, and beside a wall that is held."""
+    """alpha = tan(beta - theta), and d0* = b/2; whatever it is laid of, and next to a wall that is held."""
     whole = whole_of([ground(8.0), *stack("wall", 6), *stack("held", 6, x=-0.5)])
     made = least(whole, element(whole, "wall")).oscillator
     assert made.alpha == pytest.approx(0.5 / 3.0, rel=1e-5) and made.fraction == pytest.approx(1.0, rel=1e-6)

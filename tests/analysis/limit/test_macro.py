@@ -95,7 +95,7 @@ def turned(blocks: list[Block], degrees: float) -> list[Block]:
 
 @pytest.mark.parametrize("degrees", [30.0, 45.0, 118.0])
 def test_an_oblique_wall_bears_what_one_along_an_axis_does(degrees: float) -> None:
-    """The friction of interlock is that of the weight above a bed and of nothing beside it, and so are the factors."""
+    """The friction of interlock is that of the weight above a bed and of nothing compared with it, and so are the factors."""
     a, found = np.radians(degrees), []
     for blocks, way in ((toothed(), (1.0, 0.0, 0.0)), (turned(toothed(), degrees), (np.cos(a), np.sin(a), 0.0))):
         whole = whole_of(blocks)

@@ -92,7 +92,7 @@ def test_the_curve_of_a_thin_arch_goes_on_when_hinges_pass_to_other_joints():
     assert {k - 1 for k in curve.jumps}.isdisjoint(curve.jumps)
     work = [{(a, b) for a, b, _ in stage.at_work()} for stage in curve.stages]
     for k in curve.jumps:
-        assert len(work[k] - work[k - 1]) == 1  # one hinge at a time, to the joint beside it
+        assert len(work[k] - work[k - 1]) == 1  # one hinge at a time, to the joint next to it
         (new,), (old,) = work[k] - work[k - 1], work[k - 1] - work[k]
         assert new == tuple(number + 1 for number in old)
     expected = [four_bars(assembly, curve, k) for k in range(len(curve.factor))]

@@ -174,7 +174,7 @@ def test_the_facets_follow_the_nodes(run: mc.Run) -> None:
 
 @pytest.mark.parametrize("axis", [-1, 1])
 def test_facets_close_around_the_block(axis: int) -> None:
-    """Their volume is the block's, in space and in a plane, beside one that is not meshed; behind each facet lies its element."""
+    """Their volume is the block's, in space and in a plane, next to one that is not meshed; behind each facet lies its element."""
     corners = np.array([[x, y, z] for x in (0.0, 0.7) for y in (0.0, 0.4) for z in (0.0, 0.3)])
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     blocks = [Block("whole", corners + [2.0, 0.0, 0.0], faces, 1.0), Block("cut", corners, faces, 1.0)]

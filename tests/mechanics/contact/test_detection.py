@@ -53,7 +53,7 @@ def test_diagonal_neighbours_share_an_edge_but_no_joint():
 
 
 def test_a_block_that_falls_past_an_edge_is_seen_before_it_gets_into_the_side():
-    """Above the edge of a table and beside it, it faces nothing; a step later its lower corner is beside the side, 1 mm inside."""
+    """Above the edge of a table and next to it, it faces nothing; a step later its lower corner is next to the side, 1 mm inside."""
     table = box("table", (-1.0, -1.0, -1.0), (0.0, 1.0, 0.0), fixed=True)
     blocks = [table, box("block", (0.002, -0.1, 0.01), (0.202, 0.1, 0.21))]
     assembly, step, velocity = Assembly.from_blocks(blocks, 0.6), 1e-2, np.zeros((2, 6))

@@ -247,7 +247,7 @@ def test_the_face_that_parts_a_tilted_pair_does_not_change_with_every_small_moti
 
 
 def test_a_face_that_frees_a_part_over_half_the_way_takes_over():
-    """A block pushed deep into a table beside its edge leaves it upwards, until the way to the side is half as long."""
+    """A block pushed deep into a table next to its edge leaves it upwards, until the way to the side is half as long."""
     pair = Watched([box("table", (-1.0, -1.0, -1.0), (0.0, 1.0, 0.0), fixed=True), box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.4))])
     assert pair.moved(0.15, 0.0, -0.04).normal[0] == pytest.approx([0.0, 0.0, 1.0])
     assert pair.moved(0.17, 0.0, -0.04).normal[0] == pytest.approx([0.0, 0.0, 1.0])  # 30 mm to the side, 40 upwards

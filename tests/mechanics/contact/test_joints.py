@@ -91,7 +91,7 @@ def test_peaks_remember_the_worst_and_the_first_opening():
 
 
 def long_plate(name: str, y: float, sides: int, upright: bool) -> Block:
-    """A plate of 4 m x 1 m, whose ends are arcs of so many sides: its mesh is of slivers along it, from one end to the other."""
+    """A plate of 4 m x 1 m, whose ends are arcs of a given number of sides: its mesh is of slivers along it, from one end to the other."""
     s = np.linspace(-0.5, 0.5, sides + 1)
     end = np.stack([2.0 + 0.01 * (1.0 - 4.0 * s * s), s], axis=1)
     outline = np.concatenate([end, -end])

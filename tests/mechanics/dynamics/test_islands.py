@@ -64,7 +64,7 @@ def test_what_rests_sleeps_beside_what_rocks_and_no_drift_shows():
 
 
 def test_a_sleeping_island_wakes_when_it_is_hit():
-    """A block falls by 2 cm onto a tower at rest beside another one: it lands after sqrt(2 s / g)."""
+    """A block falls by 2 cm onto a tower at rest next to another one: it lands after sqrt(2 s / g)."""
     lands = round(np.sqrt(2 * 0.02 / GRAVITY) / DT)
     machines = [towers("broad", "middling", lifted=0.02, shaken=0.0, islands=islands) for islands in (True, False)]
     sleeping, paths = [], []

@@ -45,7 +45,7 @@ class Measured:
         self.stress = self.after(STEPS)
 
     def after(self, steps: int) -> np.ndarray:
-        """The mean stress over so many more steps."""
+        """The mean stress over a given number of further steps."""
         self.record.begin()
         for _ in range(steps):
             self.machine.step()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which stiffness contacts and joints have: of their law, of the masonry as built, or, where blocks meet anew, of two cubes."""
+"""Which stiffness contacts and joints have: of their law, of the masonry as built, or, where blocks meet again, of two cubes."""
 
 import numpy as np
 import pytest

@@ -123,7 +123,7 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_a_block_falls_relative_to_a_support_that_stays() -> None:
-    """Of two supports the first sinks by 1 m with the block on it; a block of 0.2 m beside the other has dropped by 0.15 m."""
+    """Of two supports the first sinks by 1 m with the block on it; a block of 0.2 m next to the other has dropped by 0.15 m."""
     supports = [box("sinks", (-2.0, 0, -1), (-1, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)]
     assembly = Assembly.from_blocks([*supports, box("a", (-2.0, 0, 0), (-1, 1, 0.2)), box("b", (1.0, 0, 0), (2, 1, 0.2))], MU)
     built, state = standing_of(assembly), State.at_rest(assembly)

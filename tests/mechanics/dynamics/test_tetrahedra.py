@@ -103,7 +103,7 @@ def test_the_number_of_nodes_tells_that_of_unknowns(planar: bool) -> None:
 
 
 def recorded(machine: Stepper, steps: int) -> MeanStress:
-    """The stresses of so many more steps."""
+    """The stresses of a given number of further steps."""
     record = MeanStress(machine, find_joints(machine.assembly))
     for _ in range(steps):
         machine.step()

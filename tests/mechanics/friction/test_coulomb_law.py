@@ -28,7 +28,7 @@ def answer(
 def test_a_contact_that_hardly_closes_gets_an_impulse_in_its_cone_wherever_its_search_begins(
     closing: float, slip: float, begin: float
 ) -> None:
-    """Packed grains have contacts whose closing speed is next to nothing beside their slip in one sweep, and is not in the next."""
+    """Packed grains have contacts whose closing speed is nothing compared with their slip in one sweep, and is not in the next."""
     normal, first, second, end = answer((-closing, slip, 2.0 * slip), ROW, MU, begin)
     assert normal == pytest.approx(0.1 * closing, rel=1e-6)
     assert math.hypot(first, second) <= MU * normal * (1.0 + 1e-12)

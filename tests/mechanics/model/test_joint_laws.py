@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joint laws in words and tables, and the stiffness of bonded courses, which shear as their continuum."""
+"""Joint laws as text and tables, and the stiffness of bonded courses, which shear as their continuum."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_in_a_column_the_moduli_over_the_length_and_supports_count_nothing():
 @pytest.mark.parametrize(("length", "height"), [(1.0, 0.5), (0.5, 0.5), (0.75, 0.25)])
 @pytest.mark.parametrize("running", [False, True])
 def test_a_bond_shears_as_the_continuum(length, height, running):
-    """1 / P + 1 / Q = 1 / G, with what holds blocks against turning beside the head joints in running bond."""
+    """1 / P + 1 / Q = 1 / G, with what holds blocks against turning next to the head joints in running bond."""
     joints, normal, tangential = stiffness(wall(6, 6, length, height, 0.4, running))
     middle = joints.centres()
     inside = (np.abs(middle[:, 0] - 3.0 * length) < 1.6 * length) & (middle[:, 2] > 1.6 * height) & (middle[:, 2] < 4.4 * height)

@@ -105,7 +105,7 @@ def test_knows_from_the_step_before_when_to_look_at_the_error() -> None:
 
 @pytest.mark.parametrize(("iterations", "wins"), [(79, True), (80, False)])
 def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: int, wins: bool) -> None:
-    """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises anew."""
+    """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises again."""
     learnt = Learnt(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
     assert next_k(learnt) == 10.0
     learnt = learn(learnt, 10.0, 10.0, 100, 1.0)

@@ -44,7 +44,7 @@ def bridge_of(seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-STEPPED = {  # a flat arch beside a pier whose top slopes up to the higher springings of the next
+STEPPED = {  # a flat arch next to a pier whose top slopes up to the higher springings of the next
     "kind": "bridge",
     "spans": [
         {"span": 4.3, "rise": 0.7, "thickness": 0.35},

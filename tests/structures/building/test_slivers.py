@@ -127,7 +127,7 @@ def test_tails_come_off_and_cuts_from_inner_corners_leave_wide_pieces() -> None:
 
 
 def test_stones_beside_the_head_of_an_opening_are_cut_into_wide_parts() -> None:
-    """A course that lies beside a door's arch and under a rose: cut from its inner corners, not into the triangles that fill it."""
+    """A course that lies next to a door's arch and under a rose: cut from its inner corners, not into the triangles that fill it."""
     openings = [
         {"at": 2.5, "width": 1.1, "sill": 1.2, "height": 1.5, "shape": "round"},
         {"at": 5.0, "width": 1.1, "sill": 1.3, "height": 1.5, "shape": "round"},

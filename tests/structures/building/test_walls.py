@@ -97,7 +97,7 @@ def test_a_room_with_every_shape_of_opening_stands() -> None:
 
 
 def test_a_lintel_that_rounding_parts_from_its_bed_leaves_no_hair_over_it() -> None:
-    """Its top lies at 0.9 + 1.4 + 0.675 m, a bit below or above a bed at 2.975 m; the stones beside it stay two."""
+    """Its top lies at 0.9 + 1.4 + 0.675 m, a bit below or above a bed at 2.975 m; the stones next to it stay two."""
     openings = [{"at": at, "width": 1.0, "sill": 0.9, "height": 1.4} for at in (3.0, 6.4)]
     keys = {"walls": [wall("a", [[0, 0], [9.4, 0]], 0.5, 6.2, openings=openings)], "block_length": 1.35, "course_height": 0.675}
     blocks = build("building", **keys)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Elastic joints: a spring across and one along the joint, with a dashpot beside each (``masonry_cd/mechanics/dynamics/joint_law.py``).
+"""Elastic joints: a spring across and one along the joint, with a dashpot next to each (``masonry_cd/mechanics/dynamics/joint_law.py``).
 
 Without a stiffness of its own a joint follows the moduli of the masonry around it (``masonry_cd/mechanics/model/joint_stiffness.py``), and
 without masonry it is rigid. Limit analysis has rigid blocks on rigid joints.
@@ -31,7 +31,7 @@ class ElasticKeys(Table):
     tangential_stiffness: Stiffness | None = None
     """Elastic force per area and slip; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
     joint_points: Annotated[int, Field(ge=3, le=15, json_schema_extra={"not": {"multipleOf": 2}})] | None = None
-    """Contact points over the depth of an elastic joint that opens: 9 when not given, 11 beside a compressive strength, 3, its corners and
+    """Contact points over the depth of an elastic joint that opens: 9 when not given, 11 with a compressive strength, 3, its corners and
     centroid alone, or another odd number up to 15. A closed joint has the same force and moments with any number; an open one is up to
     1.9 % too strong with 9, 3.3 % with 7, 37 % with 3, which take up to a third less time."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An arch of 17 voussoirs under a pulse, beside 3DEC."""
+"""An arch of 17 voussoirs under a pulse, against 3DEC."""
 
 from __future__ import annotations
 

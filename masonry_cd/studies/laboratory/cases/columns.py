@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A column of drums under a pulse of its base, beside LMGC90 and UDEC."""
+"""A column of drums under a pulse of its base, against LMGC90 and UDEC."""
 
 from __future__ import annotations
 

@@ -19,13 +19,13 @@ from structures.geometry.prism import box
 
 MEASURED = ((3.0, "concrete", 0.97), (5.0, "concrete", 0.95), (5.0, "rubber", 0.67))  # height over width, base, share of Housner's r
 WIDTH, DENSITY = 0.2, 2400.0  # [m], [kg/m3]; r depends on neither
-SHAPES = (2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0)  # height over width of the blocks that are run: a curve beside what was measured
+SHAPES = (2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0)  # height over width of the blocks that are run: a curve against the measured one
 RELEASED = 0.8  # share of alpha from which it is let go
 LAW = {"normal_stiffness": 1e10, "tangential_stiffness": 4e9}  # of the elastic joint [N/m3]
 
 
 def housner(slenderness: float) -> float:
-    """r of a block whose height is so many times its width."""
+    """r of a block whose height is a given number of times its width."""
     return 1.0 - 1.5 / (1.0 + slenderness**2)
 
 
@@ -78,7 +78,7 @@ def measured(base: str) -> Curve:
 
 
 def compute(folder: Path, say: Callable[[str], object]) -> Found:
-    """r over slenderness on rigid and on elastic joints, beside Housner's curve and the points that were measured."""
+    """r over slenderness on rigid and on elastic joints, with Housner's curve and the points that were measured."""
     found = Found(axes=("height / width", "r of the first impact"))
     values: dict[tuple[float, str], float] = {}
     for label, law in (("rigid", None), ("elastic", LAW)):
