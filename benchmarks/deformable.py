@@ -154,7 +154,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", help=f"of {', '.join(SCENES)}; all when none is given")
     parser.add_argument("--young", nargs="+", type=float, default=[1e8, 1e9, 1e10], help="Young's moduli [Pa]")
-    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS, help="of what is elastic, beside rigid blocks")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS, help="elastic kinds, in addition to rigid blocks")
     parser.add_argument("--out", type=Path, help="file for the tables")
     asked = parser.parse_args()
     names = asked.scenes or list(SCENES)

@@ -129,9 +129,9 @@ def scenes_command(given: argparse.Namespace) -> None:
 
 def main() -> None:
     """The command line, see the head of this file."""
-    parser = argparse.ArgumentParser(description="masonry_cd beside its peers, in one sitting.")
+    parser = argparse.ArgumentParser(description="masonry_cd against its peers, in one sitting.")
     commands = parser.add_subparsers(required=True)
-    part = commands.add_parser("scenes", help="whole steps, beside LMGC90")
+    part = commands.add_parser("scenes", help="whole steps, against LMGC90")
     part.add_argument("scenes", nargs="*", help=f"names of benchmarks/scenes.py; left out: {' '.join(DEFAULT)}")
     part.add_argument("--lmgc90-python", help="the Python that has compas_lmgc90; left out: ours alone")
     part.add_argument("--solver", default="auto")
@@ -142,7 +142,7 @@ def main() -> None:
     part.add_argument("--space", action="store_true", help="we too solve all three dimensions, also where a plane would do")
     part.add_argument("--json", help="file for all the numbers")
     part.set_defaults(run=scenes_command)
-    part = commands.add_parser("files", help="friction problems, beside Siconos")
+    part = commands.add_parser("files", help="friction problems, against Siconos")
     part.add_argument("files", nargs="+", help=".npz files, or the step of a scene as SCENE@STEP")
     part.add_argument("--siconos-python", help="the Python that has siconos; left out: ours alone")
     part.add_argument("--siconos-solvers", nargs="+", default=["NSGS", "ADMM", "NSN_AC"])

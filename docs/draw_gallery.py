@@ -144,7 +144,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these examples alone")
     parser.add_argument("--records", type=Path, metavar="FOLDER", help="where the records are")
-    parser.add_argument("--draw", action="store_true", help="draw runs of out/gallery anew")
+    parser.add_argument("--draw", action="store_true", help="draw runs of out/gallery again")
     parser.add_argument("--page", action="store_true", help="run nothing")
     asked = parser.parse_args()
     measured = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}

@@ -19,7 +19,7 @@ DOCS = Path(__file__).parent
 PAGE, FIGURES = DOCS / "laboratory.md", DOCS / "laboratory"
 HEAD = """# Held against the laboratory
 
-Tests of laboratories, and results of other programs, beside what this program gives for them. No parameter is tuned to meet a result: what
+Tests of laboratories, and results of other programs, against what this program gives for them. No parameter is tuned to meet a result: what
 was not known is assumed as stated, and what does not agree is shown as it is. `masonry-cd validate` lists the cases and
 `masonry-cd validate NAME` repeats one; its scenes are good to start from. The page is written by `docs/write_laboratory.py` from what the
 commands leave; each case takes seconds to a few minutes.

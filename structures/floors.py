@@ -260,7 +260,7 @@ def _spanned(keys: FloorTable, seats: list[Side], where: str) -> list[Side]:
     along = _direction(keys.span)
     found = [side for side in seats if abs(side.normal @ along) > ACROSS]
     if not found:
-        raise InputError(f"{where}.span", f"none of {', '.join(keys.walls)} lies across {keys.span:g} degrees beside it")
+        raise InputError(f"{where}.span", f"none of {', '.join(keys.walls)} lies across {keys.span:g} degrees next to it")
     return found
 
 
@@ -281,7 +281,7 @@ def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
         if width < min(thin, 0.999 * width_of(whole)):
             raise InputError(
                 floor.where,
-                f'of block "{whole.name}" a sliver of {1e3 * width:.3g} mm would remain beside it; another height, thickness or bearing',
+                f'of block "{whole.name}" a sliver of {1e3 * width:.3g} mm would remain next to it; another height, thickness or bearing',
             )
     return made
 

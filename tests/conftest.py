@@ -39,7 +39,7 @@ def shared() -> Path:
     """The folder of reference data next to the checkout; tests that need it skip where it is absent."""
     folder = SHARED
     if not folder.is_dir():
-        pytest.skip("the reference data are not beside this checkout")
+        pytest.skip("the reference data are not next to this checkout")
     return folder
 
 

@@ -94,7 +94,7 @@ def _lines(path: Path, changed: Iterable[str], hashes: dict[str, str], found: Ar
         elif name not in hashes:
             yield f"{name}: new"
         elif name not in before or digest(before[name]) != hashes[name]:
-            yield f"{name}: differs (its numbers are not kept beside the baseline)"
+            yield f"{name}: differs (its numbers are not kept next to the baseline)"
         else:
             yield f"{name}: {describe(before[name], found[name])}"
 

@@ -249,7 +249,7 @@ def _check_road(table: VehicleTable, fill: Fill, where: str) -> None:
     if table.across == "wheels" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):
         raise InputError(
             f"{where}.offset",
-            f"the vehicle stands beside the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
+            f"the vehicle stands next to the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
             f"{fill.clear[0]:.4g} to {fill.clear[1]:.4g} m",
         )
 

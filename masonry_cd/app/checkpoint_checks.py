@@ -83,7 +83,7 @@ def check_content(
     stored.nothing_else()
     steps = int(arrays["steps"][0])
     if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):
-        raise InputError("counts other steps than the results beside it hold", "it cannot be resumed")
+        raise InputError("counts other steps than the results next to it hold", "it cannot be resumed")
 
 
 def _check_step_peaks(stored: Stored, kept: Kept) -> None:

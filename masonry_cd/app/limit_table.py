@@ -128,7 +128,7 @@ class LimitTable(Table):
         if len(named) > 1:
             raise ValueError(f"{' and '.join(named)} are given; a limit analysis takes one pattern: one direction at a time")
         if self.time is not None and self.begin is None:
-            raise ValueError("time: needs from beside it, the folder of a run")
+            raise ValueError("time: needs from as well, the folder of a run")
         return self
 
 

@@ -22,7 +22,7 @@ def require_own_packages() -> None:
     for name in PACKAGES:
         place = _place(name)
         if place is None:
-            raise InputError(f'the package "{name}" of masonry_cd is missing in {HOME}', "install masonry-cd anew")
+            raise InputError(f'the package "{name}" of masonry_cd is missing in {HOME}', "install masonry-cd again")
         if place.resolve() not in (HOME / name / "__init__.py", HOME / name):
             remedy = f"rename it, or run from another folder, so that Python finds {HOME / name}"
             raise InputError(f'{place} hides the package "{name}" of masonry_cd', str(remedy))

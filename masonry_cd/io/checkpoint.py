@@ -77,7 +77,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     if (form := numbers.get("format")) != FORMAT:
         which = "a newer" if isinstance(form, int) and form > FORMAT else "an older" if isinstance(form, int) else "another"
         raise InputError(
-            path, f"of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts anew"
+            path, f"of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts again"
         )
     if checksum != _checksum(arrays, text):
         raise Damaged(path, "not a readable checkpoint: its checksum is not that of its content")

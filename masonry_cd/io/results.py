@@ -131,7 +131,7 @@ class Results:
             raise InputError(self.path, f"holds less than its checkpoint says{damage}: it cannot be resumed")
         found = self._segments.ending_at(rows)
         if found is None:
-            raise InputError(self.path, "the checkpoint beside it belongs to other results: it cannot be resumed")
+            raise InputError(self.path, "the checkpoint next to it belongs to other results: it cannot be resumed")
         return found
 
     @cached_property

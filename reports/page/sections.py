@@ -47,7 +47,7 @@ SAID = {  # what a check means, and what to do
     ),
     FALSE_MOTION: (
         "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
-        "here at the single worst contact. It should be small beside the largest displacement.",
+        "here at the single worst contact. It should be small compared with the largest displacement.",
         "Tighten run.tolerance until it is.",
     ),
     ENERGY: (

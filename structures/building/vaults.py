@@ -171,7 +171,7 @@ def _between(ones: Sequence[tuple[Leg, Facet]], others: Sequence[tuple[Leg, Face
                 best = high - low, Polygon(ring), facet.along
     if best is None:
         at = place(ones[0][1].place(np.array([0.5 * ones[0][1].length, 0.0])))
-        raise InputError("", f"walls {names[0]} and {names[1]} are not parallel, or not beside each other, at {at}")
+        raise InputError("", f"walls {names[0]} and {names[1]} are not parallel, or not next to each other, at {at}")
     return best[1], best[2]
 
 

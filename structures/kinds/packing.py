@@ -114,7 +114,9 @@ def _refuse_wide(plan: Plan, diameters: tuple[float, ...]) -> None:
         )
     for k, diameter in enumerate(diameters):
         if (largest / diameter) ** 3 > MOST_PLACES:
-            raise InputError(f"structure.diameters[{k}]", f"must be at least {largest / MOST_PLACES ** (1 / 3):.2g} m beside {largest:g} m")
+            raise InputError(
+                f"structure.diameters[{k}]", f"must be at least {largest / MOST_PLACES ** (1 / 3):.2g} m, as the largest is {largest:g} m"
+            )
 
 
 def _check(keys: PackingTable) -> None:

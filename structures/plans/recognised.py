@@ -137,7 +137,7 @@ def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) 
     by_handle = {e.handle: e for e in paths}
     said = dict(faces.left)
     unread = [
-        Left(h, e.layer, e.drawn_as, said.get(h, "no face beside it makes a wall with it"))
+        Left(h, e.layer, e.drawn_as, said.get(h, "no face next to it makes a wall with it"))
         for h, e in by_handle.items()
         if h not in used and (said.get(h) or not e.width)
     ]
@@ -221,7 +221,7 @@ class _Reader:
                     of_walls.setdefault(k, []).append(Note(self.walls[k].along(place.centroid.coords[0]), read, text.handle))
                     continue
             if home is None or read.means_nothing:
-                where = f'"{text.text.strip()[:40]}" ' + ("stands beside nothing" if home is None else "says nothing of a plan")
+                where = f'"{text.text.strip()[:40]}" ' + ("stands next to nothing" if home is None else "says nothing of a plan")
                 self.left.append(Left(text.handle, text.layer, text.drawn_as, where))
             else:
                 beside.setdefault(home.handles[0], []).append(text.text)
@@ -241,7 +241,7 @@ class _Reader:
             others = len(without) - 1
             more = f" nor of {others} other{'s' if others > 1 else ''}" if others else ""
             said = f"nothing says the height of wall {without[0].name} at {place(without[0].line.centroid.coords[0])}{more}: "
-            said += "draw a text h=8.50 beside it, or give structure.wall_height"
+            said += "draw a text h=8.50 next to it, or give structure.wall_height"
             self.faults = {wall.name: Fault(self.name, said) for wall in without}
         return tables
 

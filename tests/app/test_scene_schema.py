@@ -67,7 +67,7 @@ def read(scene: dict[str, Any], folder: Path) -> None:
 
 
 def test_the_file_in_the_package_is_what_is_generated():
-    assert FILE.read_text(encoding="utf-8") == schema_text(), "write it anew: masonry-cd schema -o masonry_cd/app/scene.schema.json"
+    assert FILE.read_text(encoding="utf-8") == schema_text(), "write it again: masonry-cd schema -o masonry_cd/app/scene.schema.json"
 
 
 @pytest.mark.slow(reason="builds the schema of every table three times")

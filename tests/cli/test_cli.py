@@ -85,7 +85,7 @@ def test_help_and_bad_scenes_need_no_heavy_import(tmp_path):
     assert errors == "masonry-cd: error: no.toml: no such scene file\n"
 
 
-@pytest.mark.slow(reason="a process of its own loads the kernels anew")
+@pytest.mark.slow(reason="a process of its own loads the kernels again")
 def test_a_run_without_a_picture_imports_neither_vtk_nor_matplotlib_nor_dask(block_on_plate, tmp_path):
     modules, errors = modules_loaded_by(tmp_path, "run", block_on_plate(duration="duration = 0.01"), "-o", "out")
     assert (tmp_path / "out" / "summary.json").exists(), errors
@@ -225,7 +225,7 @@ def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_pla
     assert result.stderr.startswith(f"masonry-cd: error: {tmp_path}: nothing may be written there")
 
 
-@pytest.mark.slow(reason="a process of its own loads the kernels anew")
+@pytest.mark.slow(reason="a process of its own loads the kernels again")
 def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
     out = tmp_path / "out"
     scene = block_on_plate(duration="duration = 3000.0\ncheckpoint_every = 0.1")
@@ -433,7 +433,7 @@ def test_a_checkpoint_continues_its_own_results_alone(block_on_plate, tmp_path, 
     before = (tmp_path / "two" / "result.h5").read_bytes()
     result = masonry_cd("run", scene, "-o", tmp_path / "two", "-q", "--resume")
     assert result.exit_code == 2
-    assert result.stderr.endswith("result.h5: the checkpoint beside it belongs to other results: it cannot be resumed\n")
+    assert result.stderr.endswith("result.h5: the checkpoint next to it belongs to other results: it cannot be resumed\n")
     assert len(result.stderr.splitlines()) == 1
     assert (tmp_path / "two" / "result.h5").read_bytes() == before
 

@@ -216,7 +216,7 @@ def test_a_processor_without_avx2_keeps_to_itself():
     assert not printed(program + TARGET).stdout.startswith(processor.NAME)
 
 
-@pytest.mark.slow(reason="two processes load the kernels anew")
+@pytest.mark.slow(reason="two processes load the kernels again")
 def test_results_depend_neither_on_loops_of_numpy_nor_on_blas(native, tmp_path):
     """An arch under an artificial accelerogram, which takes elementary functions, least squares and exponentials of matrices to draw."""
     text = (HERE / "record.toml").read_text().replace("duration = 0.6", "duration = 0.05").replace("voussoirs = 27", "voussoirs = 7")

@@ -207,7 +207,7 @@ def test_a_run_in_another_thread_is_the_same_and_leaves_signals_alone(tables: di
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
 
 
-@pytest.mark.slow(reason="a process of its own loads the kernels anew")
+@pytest.mark.slow(reason="a process of its own loads the kernels again")
 def test_sigterm_ends_python_after_the_step_and_leaves_a_run_to_go_on_with(tables: dict[str, Any], tmp_path: Path) -> None:
     file = mc.scene(tables).write(tmp_path / "two.toml")
     code = (

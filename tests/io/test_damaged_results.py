@@ -244,7 +244,7 @@ def test_a_summary_of_another_shape_is_one_line_and_is_written_anew(stopped, tmp
         assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1), result.output
         result = masonry_cd("report", out, "--no-crack-map")
         assert (result.exit_code, len(result.stderr.splitlines())) == (0, 1), result.output
-        assert "it is written anew" in result.stderr
+        assert "it is written again" in result.stderr
         assert masonry_cd("compare", out, stopped / "whole").exit_code == 0
     (out / "summary.json").write_text('{"format": 99}')
     result = masonry_cd("report", out, "--no-crack-map")

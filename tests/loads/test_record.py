@@ -128,7 +128,7 @@ def test_a_record_that_never_changes_is_refused(folder: Path, value: float, said
 
 def recorded(tables: list[dict], seconds: float, dt: float = 1e-3) -> loads.Loading:
     if not RECORDS.is_dir():
-        pytest.skip("no recorded accelerograms beside the checkout")
+        pytest.skip("no recorded accelerograms next to the checkout")
     return loads.build([{"kind": "record", **table} for table in tables], dt, round(seconds / dt), (0.0, 0.0, -9.81), RECORDS)
 
 

@@ -162,7 +162,7 @@ def test_quadratic_is_the_least_velocity_of_its_family() -> None:
 def test_quadratic_follows_a_real_drift_closer_than_linear() -> None:
     record = SHARED / "records" / "laquila_2009_AQV.csv"
     if not record.is_file():
-        pytest.skip("no recorded accelerograms beside the checkout")
+        pytest.skip("no recorded accelerograms next to the checkout")
     time, acceleration = np.loadtxt(record, delimiter=",", skiprows=1, usecols=(0, 1)).T
     truth = correct(integrate(acceleration, 0.005), 2)
     drifts = {

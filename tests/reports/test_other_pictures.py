@@ -172,4 +172,4 @@ def test_faulty_blocks_are_drawn_in_colour(tmp_path: Path, which: str, names: in
     red = int((hue & (image.max(axis=-1) > 90)).sum())
     assert (red > 10000 * names) if names else (red < 2000)
     named = (image[TITLE + 10 : -50, : WIDTH - COLUMN - 100] == [int(INK[i : i + 2], 16) for i in (1, 3, 5)]).all(axis=-1).sum()
-    assert (named > 50) if names else (named == 0), "names beside the model, with a line to each block"
+    assert (named > 50) if names else (named == 0), "names next to the model, with a line to each block"

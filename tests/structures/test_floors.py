@@ -100,7 +100,7 @@ def test_a_structure_in_its_place_takes_its_floors_along():
         ({"walls": ["sooth"]}, 'structure.floors[0].walls: "sooth" is no group or block (did you mean "south"?); groups: '),
         ({"height": 9.0}, "structure.floors[0].height: no block of south, north stands at or below z = 8.75 to 9 m"),
         ({"bearing": 0.6}, "structure.floors[0].bearing: must be at most the depth of its wall in the south, 0.5 m, got 0.6"),
-        ({"bearing": 0.495}, 'structure.floors[0]: of block "south.6.2" a sliver of 5 mm would remain beside it; another height, '),
+        ({"bearing": 0.495}, 'structure.floors[0]: of block "south.6.2" a sliver of 5 mm would remain next to it; another height, '),
         ({"inside": [0.0, 2.2]}, 'structure.floors[0].inside: no room about x = 0 m, y = 2.2 m at this height: block "north.6.'),
         ({"inside": [0.0, 9.0]}, "structure.floors[0].inside: no room about x = 0 m, y = 9 m at this height: it lies outside the walls"),
         ({"walls": ["south"]}, 'structure.floors[0].inside: no room about x = 0 m, y = -2.25 m at this height: block "south.6.'),

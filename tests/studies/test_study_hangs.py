@@ -27,7 +27,7 @@ from masonry_cd.studies.study.task import Outcome, Task
 if TYPE_CHECKING:
     from distributed import Client
 
-pytestmark = pytest.mark.slow(reason="runs hang until their time is over, and their workers are started anew")
+pytestmark = pytest.mark.slow(reason="runs hang until their time is over, and their workers are started again")
 REASON = "out of time, 1 s, in a step or a set-up that did not end"
 
 

@@ -75,7 +75,7 @@ class CheckTable(SiteSpectrum):
             raise ValueError('spectrum: missing; give that of a code, a "table", or a record')
         stray = self.model_fields_set & set(self.keys_of_kinds())
         if self.record is not None and stray:
-            raise ValueError(f"{min(stray)}: does not apply beside a record")
+            raise ValueError(f"{min(stray)}: does not apply with a record")
         if "limit_state" in self.model_fields_set and self.limit_state not in self.by.limit_states:
             raise ValueError(f"limit_state: {self.limit_state} does not apply to {self.code}")
         if self.limit_state == "SLC" and not self.displacements:
@@ -90,11 +90,11 @@ class CheckTable(SiteSpectrum):
         by_storeys = {"storeys", "participation"}
         given = self.model_fields_set
         if self.height and self.foundation is not None:
-            raise ValueError("height: does not apply beside foundation, from which each mechanism has a height of its own")
+            raise ValueError("height: does not apply with foundation, from which each mechanism has a height of its own")
         if not self.building and not self.height and self.foundation is None:
             stray = given & {"building_period", "building_damping", *by_storeys}
             if stray:
-                raise ValueError(f"{min(stray)}: needs building_height beside it")
+                raise ValueError(f"{min(stray)}: needs building_height as well")
             return self
         missing = next((key for key in ("building_height", "building_period") if getattr(self, key) is None), None)
         if missing:

@@ -36,11 +36,11 @@ def damped_at_first_period(assembly: Assembly, across: int | None) -> tuple[Asse
         InputError: blocks that deform, or a block tied to no support, so that there is no such period; names the key.
     """
     if assembly.deformation is not None:
-        raise InputError(KEY, "needs damping_frequency beside it where blocks deform; the first period is known on elastic joints alone")
+        raise InputError(KEY, "needs damping_frequency as well where blocks deform; the first period is known on elastic joints alone")
     try:
         frequency = first_frequency(assembly, across)
     except InputError as fault:
-        raise InputError(KEY, f"needs damping_frequency beside it, there is no first elastic period: {fault}") from None
+        raise InputError(KEY, f"needs damping_frequency as well, there is no first elastic period: {fault}") from None
     return replace(assembly, laws=assembly.laws.damped_at(frequency)), 1.0 / frequency
 
 

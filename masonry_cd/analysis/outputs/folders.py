@@ -12,7 +12,7 @@ FOLDERS: dict[str, dict[str, str]] = {
         **{f"blocks.{name}": f"the blocks, as --format {name} asks" for name in BLOCKS},
         "structure.png": "the blocks by group, with ties",
         "problem.png": "of blocks that are refused: which, and where",
-        "fill.json": "the fill of a bridge, beside blocks in formats that do not hold it",
+        "fill.json": "the fill of a bridge, next to blocks in formats that do not hold it",
         "plan.json": "the plan of a building, to correct and read again",
         "plan.svg": "that plan and the elevations of its walls; of a building that is refused, what is wrong in red",
         "plan_left.csv": "what of a drawing was not understood",

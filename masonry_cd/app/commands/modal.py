@@ -80,7 +80,7 @@ class ModalOptions(BaseModel):
         if self.fit and self.reference is None:
             raise ValueError("fit needs the measured modes: give reference")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
-            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
+            raise ValueError("tangential_stiffness needs normal_stiffness as well")
         return self
 
     @property

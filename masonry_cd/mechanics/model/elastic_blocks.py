@@ -57,15 +57,15 @@ class ElasticBlocks(Table):
             return self
         for key in ("young", "poisson", "damping", "damping_frequency", "strain_theta"):
             if key in self.model_fields_set and not deforms:
-                raise ValueError(f'{key} needs deformable = "uniform" or "tetrahedra" beside it: rigid blocks have no strain')
+                raise ValueError(f'{key} needs deformable = "uniform" or "tetrahedra": rigid blocks have no strain')
         if self.mesh_size is not None and TETRAHEDRA not in kinds:
-            raise ValueError('mesh_size needs deformable = "tetrahedra" beside it: no other block is meshed')
+            raise ValueError('mesh_size needs deformable = "tetrahedra": no other block is meshed')
         if self.mesh_size is None and TETRAHEDRA in kinds:
-            raise ValueError('deformable = "tetrahedra" needs mesh_size beside it: the size of the elements [m]')
+            raise ValueError('deformable = "tetrahedra" needs mesh_size as well: the size of the elements [m]')
         if deforms and self.young is None:
-            raise ValueError("deformable needs young beside it: Young's modulus of the blocks [Pa]")
+            raise ValueError("deformable needs young as well: Young's modulus of the blocks [Pa]")
         if self.damping and self.damping_frequency is None:
-            raise ValueError("damping needs damping_frequency beside it: a share of critical, and the frequency at which it is that share")
+            raise ValueError("damping needs damping_frequency as well: a share of critical, and the frequency at which it is that share")
         return self
 
     def of_group(self, group: str, groups: Sequence[str]) -> Elasticity | None:

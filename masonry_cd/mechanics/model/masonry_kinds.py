@@ -157,7 +157,7 @@ class Masonry(Table):
             if KINDS[self.kind].factors[list(BETTER).index(name)] is None:
                 raise ValueError(f'better: "{name}" of {self.kind}: {NO_FACTOR}')
             if name in BESIDE_PLASTER and "reinforced plaster" in self.better:
-                raise ValueError(f'better: "{name}" does not count beside "reinforced plaster"')
+                raise ValueError(f'better: "{name}" does not count with "reinforced plaster"')
         if self.shear_bond and self.bed_strength is None and KINDS[self.kind].sliding is None:
             raise ValueError(f"shear_bond: {self.kind} has no regular beds, so the table gives no f_v0; bed_strength does")
         return self

@@ -72,7 +72,7 @@ class Material(ElasticBlocks):
         """The tables of masonry have no tensile strength: cohesion over friction would be invented."""
         bonded = self.masonry is not None and self.masonry.shear_bond
         if bonded and any(law.tension is None and not law.cohesion for law in (self.joints or {"default": JointLaw()}).values()):
-            raise ValueError("masonry.shear_bond needs joints.tension beside it: the tensile strength of the bond [Pa], 0 for none")
+            raise ValueError("masonry.shear_bond needs joints.tension as well: the tensile strength of the bond [Pa], 0 for none")
         return self
 
     @property

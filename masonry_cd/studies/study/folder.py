@@ -66,7 +66,7 @@ class StudyFolder:
             raise InputError(error.place, f"{error.faults[0].text}; choose another folder, or --force") from None
         for name, digest in identity.items():
             if then.get(name) != digest:
-                raise InputError(self.path, f"holds another study, of another {name}; choose another folder, or --force to begin anew")
+                raise InputError(self.path, f"holds another study, of another {name}; choose another folder, or --force to begin again")
 
     def require_own(self) -> None:
         """Refuse to clear a folder where somebody else has put something.

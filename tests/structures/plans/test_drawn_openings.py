@@ -110,9 +110,9 @@ def test_nothing_is_dropped_in_silence(tmp_path: Path):
     said = {(one.layer, one.drawn_as): one.why for one in found.left}
     assert said == {
         ("WALLS", "POINT"): "POINT is nothing of a plan",
-        ("WALLS", "LINE"): "no face beside it makes a wall with it",
+        ("WALLS", "LINE"): "no face next to it makes a wall with it",
         ("DOORS", "LWPOLYLINE"): "no wall within 0.3 m",
-        ("HEIGHTS", "TEXT"): '"SALA 1" stands beside nothing',
+        ("HEIGHTS", "TEXT"): '"SALA 1" stands next to nothing',
         ("FURNITURE", "LINE"): "its layer has no meaning in structure.layers",
         ("WALLS-OLD", "LWPOLYLINE"): "its layer is off",
         ("VAULTS", "LWPOLYLINE"): "no text within 1.5 m says its springing, imp. 4.50",

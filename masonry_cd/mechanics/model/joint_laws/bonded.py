@@ -30,7 +30,7 @@ class BondKeys(ElasticKeys):
     def _parts_at_its_cone(self, info: ValidationInfo) -> BondKeys:
         if self.tension is not None and self.normal_stiffness is None and not of_masonry(info):
             why = "how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
-            raise ValueError(f"tension needs normal_stiffness beside it: {why}")
+            raise ValueError(f"tension needs normal_stiffness as well: {why}")
         return self
 
 

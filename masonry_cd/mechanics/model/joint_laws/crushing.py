@@ -47,7 +47,7 @@ def _needs(law: CrushingKeys, elastic: bool) -> tuple[str, str] | None:
         return None
     return (
         "normal_stiffness",
-        "missing beside compressive_strength: in a run a rigid joint does not shorten, "
+        "missing with compressive_strength: in a run a rigid joint does not shorten, "
         "and cannot crush; masonry-cd limit takes rigid joints that crush",
     )
 

@@ -52,15 +52,15 @@ class ElasticKeys(Table):
     @model_validator(mode="after")
     def _of_elastic_joints(self, info: ValidationInfo) -> ElasticKeys:
         if self.damping_frequency is not None and "damping" not in self.model_fields_set:  # damping = 0 says none, as a study may
-            raise ValueError("damping_frequency needs damping beside it: the share of critical that it is at that frequency")
+            raise ValueError("damping_frequency needs damping as well: the share of critical that it is at that frequency")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
-            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
+            raise ValueError("tangential_stiffness needs normal_stiffness as well")
         if self.normal_stiffness is not None or of_masonry(info):
             return self
         if self.damping > 0.0:
-            raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
+            raise ValueError("damping needs normal_stiffness as well: a rigid joint does not vibrate")
         if self.joint_points is not None:
-            raise ValueError("joint_points needs normal_stiffness beside it: a rigid joint has its corners")
+            raise ValueError("joint_points needs normal_stiffness as well: a rigid joint has its corners")
         return self
 
     @property
