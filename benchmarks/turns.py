@@ -21,17 +21,6 @@ from benchmarks.sitting import HERE, environment, head
 from masonry_cd.foundation.errors import InputError
 
 HEAD = head("scene", "contacts", "steps", "ms per step: other", "here", "ratio", "missed: other", "here", "largest error: other", "here")
-    "scene",
-    "contacts",
-    "steps",
-    "ms per step: other tree",
-    "here",
-    "ratio",
-    "missed: other tree",
-    "here",
-    "largest error: other tree",
-    "here",
-)
 BEGIN = "import sys, runpy; sys.path.insert(0, {tree!r}); runpy.run_path({served!r})['serve']()"
 SHARES = 10  # of a scene, by turns
 SCENES = ("arch27", "tower50", "arcade50", "wall40x25", "packing1000", "heap1000", *(f"strong{k}" for k in range(1, 11)))
