@@ -27,6 +27,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise, product
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -181,17 +182,23 @@ def _below(x: np.ndarray, depth: np.ndarray | float, contact: float, fill: Fill)
 
 def strips_of(fill: Fill, table: VehicleTable) -> Strips:
     """Cut the faces below the road into strips, and share the wheels of an axle among those next to each other."""
-    vehicle, rows = table.known, list[tuple[int, np.ndarray, float, np.ndarray, float]]()
+    return _strips(fill, table.known, table.across, table.offset)
+
+
+@lru_cache(maxsize=8)  # they are those of all places of a vehicle, which is asked for at many
+def _strips(fill: Fill, vehicle: Known, line: str, offset: float) -> Strips:
+    rows = list[tuple[int, np.ndarray, float, np.ndarray, float]]()
     for number, face in enumerate(fill.faces):
         if face.kind in ON:
-            rows += [(number, *row) for row in _of_face(face, fill, vehicle, table)]
+            rows += [(number, *row) for row in _of_face(face, fill, vehicle, None if line == "line" else offset)]
     face_of, ends, depth, place, across = zip(*rows, strict=True)
     ends_of, share = np.array(ends), np.array(across)
     return Strips(np.array(face_of), ends_of, np.array(depth), np.array(place), share)
 
 
-def _of_face(face: FillFace, fill: Fill, vehicle: Known, table: VehicleTable) -> list[tuple[np.ndarray, float, np.ndarray, float]]:
-    """Ends along the road, depth, place and share across of the strips of one face, a quadrilateral over a line across the road."""
+def _of_face(face: FillFace, fill: Fill, vehicle: Known, offset: float | None) -> list[tuple[np.ndarray, float, np.ndarray, float]]:
+    """Ends along the road, depth, place and share across of the strips of one face, a quadrilateral over a line across the road; a vehicle
+    without an offset is a line."""
     own = fill.along(face.corners)
     own[:, 0] -= fill.slant * own[:, 1]
     (x0, z0), (x1, z1) = own[0, [0, 2]], own[1, [0, 2]]
@@ -201,7 +208,7 @@ def _of_face(face: FillFace, fill: Fill, vehicle: Known, table: VehicleTable) ->
     for k, (a, b) in product(range(ALONG), pairwise(cuts.tolist())):
         m = (k + 0.5) / ALONG
         z = z0 + m * (z1 - z0)
-        share, y = _across(a, b, fill.level - z, fill, vehicle, table)
+        share, y = _across(a, b, fill.level - z, fill, vehicle, offset)
         place = np.array([x0 + m * (x1 - x0) + fill.slant * y, y, z])
         ends = x0 + (x1 - x0) * np.array([k, k + 1]) / ALONG + fill.slant * y
         if share > 0.0:
@@ -209,14 +216,14 @@ def _of_face(face: FillFace, fill: Fill, vehicle: Known, table: VehicleTable) ->
     return found
 
 
-def _across(near: float, far: float, depth: float, fill: Fill, vehicle: Known, table: VehicleTable) -> tuple[float, float]:
+def _across(near: float, far: float, depth: float, fill: Fill, vehicle: Known, offset: float | None) -> tuple[float, float]:
     """The share of an axle that a strip between two places across the road bears, of all that is between the walls, and its middle."""
     ends = np.linspace(near, far, ACROSS + 1)
-    if table.across == "line":
+    if offset is None:
         wide = fill.clear[1] - fill.clear[0]
         return (far - near) / wide, 0.5 * (near + far)
     part, whole = np.zeros(ACROSS), 0.0
-    for wheel in (table.offset - 0.5 * vehicle.track, table.offset + 0.5 * vehicle.track):
+    for wheel in (offset - 0.5 * vehicle.track, offset + 0.5 * vehicle.track):
         part = part + np.diff(_below(ends - wheel, depth, vehicle.contact[1], fill))
         whole += float(np.diff(_below(np.array(fill.clear) - wheel, depth, vehicle.contact[1], fill))[0])
     share = float(part.sum()) / whole

@@ -113,6 +113,17 @@ def static_loads(
     )
 
 
+def live_alone(load: Mapping[str, Any], gravity: Sequence[float], folder: Path, assembly: Assembly, fills: Sequence[Fill]) -> np.ndarray:
+    """What one table ``[[loads]]`` by itself does to B blocks: (B, 6) [N, N m].
+
+    Raises:
+        InputError: a bad table.
+    """
+    (one,) = static_tables([load], RunGrid(NO_STEP, 1, np.asarray(gravity, dtype=float), folder, assembly, fills=fills))
+    arms = _arms([(0, force) for force in one.does.points], (0,))
+    return arms.wrenches(arms.live, assembly.count)
+
+
 def _check_numbers(limit: LimitTable, every: Sequence[StaticTable]) -> None:
     """Refuse numbers in limit.live and limit.masses that are of no table with such forces."""
     fitting = {"live": [bool(one.does.points) for one in every], "masses": [one.does.weighs for one in every]}

@@ -10,8 +10,9 @@ slide at collapse the least factor, searched for at that place alone, lies below
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,8 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import STANDS, NoFiniteFactor, at_rest, largest_factor
 from masonry_cd.analysis.limit.crushing import crushable, solved_finely
-from masonry_cd.analysis.limit.problem import limit_problem
+from masonry_cd.analysis.limit.interfaces import interfaces
+from masonry_cd.analysis.limit.problem import plane_of, problem_at
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.csv_files import write_csv
@@ -140,11 +142,11 @@ def _crossing(structure: LimitStructure, number: int, quiet: bool) -> Crossing |
     problem, alone = at_rest(structure.assembly, structure.joints, structure.loads().at())
     if alone.factor < 1.0 - STANDS:
         return None
-    known: dict[float, float] = {}
+    known, factor = dict[float, float](), _factors(structure, number)
 
     def at(place: float) -> float:
         if place not in known:
-            known[place] = _factor(_placed(structure.scene, number, place), structure)
+            known[place] = factor(place)
             progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 
@@ -169,16 +171,31 @@ def _look(at: Callable[[float], float], places: Sequence[float], close: float) -
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
-def _factor(scene: Scene, structure: LimitStructure) -> float:
-    """The largest factor of the vehicle where a scene puts it."""
-    loads = replace(structure, scene=scene).loads()
-    problem = crushable(limit_problem(structure.assembly, structure.joints, loads.at()), structure.assembly, structure.joints)
-    try:
-        return solved_finely(problem, lambda finer: largest_factor(finer)[0])[1].factor
-    except NoFiniteFactor:
-        return math.inf
-    except Unbounded as failure:
-        raise InputError("limit", f"no answer: {failure}") from None
+def _factors(structure: LimitStructure, number: int) -> Callable[[float], float]:
+    """The largest factor of the vehicle by the place of its first axle; all other loads are those that the structure has."""
+    from masonry_cd.app.static_loads import live_alone
+
+    scene, assembly, joints = structure.scene, structure.assembly, structure.joints
+    loads, points = structure.loads().at(), cache(partial(interfaces, assembly, joints))
+
+    def live(table: Mapping[str, Any]) -> np.ndarray:
+        with scene.locating():
+            return live_alone(table, scene.run.gravity, scene.folder, assembly, structure.made.fills)
+
+    others = loads.live - live(scene.loads[number])
+
+    def factor(place: float) -> float:
+        there = replace(loads, live=others + live(scene.loads[number] | {"position": place}))
+        axis = plane_of(assembly, there)
+        problem = crushable(problem_at(assembly, points(axis), there, axis), assembly, joints)
+        try:
+            return solved_finely(problem, lambda finer: largest_factor(finer)[0])[1].factor
+        except NoFiniteFactor:
+            return math.inf
+        except Unbounded as failure:
+            raise InputError("limit", f"no answer: {failure}") from None
+
+    return factor
 
 
 def _spans(fill: Fill) -> tuple[tuple[float, float], ...]:
