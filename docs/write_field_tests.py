@@ -53,10 +53,11 @@ Loads at collapse [kN], over the measured one in brackets, in bold within 20 %:
 TAIL = """
 ## What can be said
 
-- **Weight and spreading alone** bear half of what was measured. That is no fault of the method: limit analysis without resisting
-  fill is the conservative end of practice.
-- **A third of K_p**, the default, brings two thirds: still on the safe side, not within 20 %. More than that needs either an angle of
-  friction that a compacted fill has, or a larger share of it.
+- **Weight and spreading alone** bear half of what was measured: limit analysis without resisting fill leaves out what a bridge has, and is
+  still no lower bound, as it leaves out crushing and what has decayed as well.
+- **A third of K_p**, the default, brings two thirds. This is one bridge, thin and shallow, and no proof that a default is safe: under a
+  thick ring that is taken not to crush, or a deep arch that leans on its fill, it may lie above what the bridge bears. So
+  `masonry-cd limit` shows [what a factor rests on](howto/bridges.md#what-a-factor-rests-on), and its verdict takes no default that helps.
 - The two ways of spreading differ by a few per cent under so thin a cover.
 - Four hinges are found in every row of the second table, as in the test.
 - What is left out helps the bridge or hurts it: cohesion and stiffness of a road, friction of fill on masonry and the tension of mortar

@@ -137,6 +137,15 @@ class LimitAnalysis(Sealed):
         return found
 
     @property
+    def assumed(self) -> DataFrame:
+        """The load factor with what is assumed assumed otherwise, one thing at a time: ``words``, ``factor``, ``key`` that states it,
+        ``position`` of the first axle [m], ``counts`` where the verdict would take it; ``attrs["decides"]`` is the row that it takes,
+        ``attrs["range"]`` the least and the largest factor of a bridge.
+        """
+        found = self.summary["assumed"]
+        return frame_of_rows(found["rows"], decides=found["decides"], range=found["range"])
+
+    @property
     def capacity(self) -> DataFrame | None:
         """The capacity curve, point by point: displacement of the control block [m], factor, what moves; ``attrs["end"]`` says why it ends.
 

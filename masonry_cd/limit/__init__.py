@@ -14,7 +14,7 @@ vehicle.py     the worst place of a vehicle
 curve.py       the capacity curve
 words.py       the lines that the terminal shows
 facts.py       limit.json
-assumed.py     the load factor without what is assumed
+assumed.py     the load factor with what is assumed otherwise
 kept.py        parts that are done with, for --resume
 pictures.py    mechanisms, forces and spectra drawn
 files.py       tables, pictures and page

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The load factor without what is assumed of a structure: the bond of its joints, their crushing, the fill that resists.
+"""The load factor with what is assumed of a structure assumed otherwise, one thing at a time: bond, crushing, and all that fill does.
 
-Each is left out by itself, and the associated factor found again, a programme each: how far a verdict rests on an assumption is then seen.
+Each row is a limit analysis of its own, of a vehicle without a place at the place that is then the worst. Of a bridge the verdict takes
+what its scene states; where the scene states nothing, it takes what lowers the factor, all of it together. No default decides in silence.
 """
 
 from __future__ import annotations
@@ -12,67 +13,210 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.blocks import Assembly
-from masonry_cd.mechanics.model.fill import BARS
+from masonry_cd.foundation.quantities import pressure
+from masonry_cd.limit.vehicle import anywhere, at_worst
+from masonry_cd.limit.whole import WholeAnalysis, analyse_whole
 
 if TYPE_CHECKING:
-    from masonry_cd.analysis.limit.problem import Loads
-    from masonry_cd.limit.whole import WholeAnalysis
+    from masonry_cd.app.scene import Scene
+    from masonry_cd.limit.vehicle import Crossing
+    from masonry_cd.mechanics.model.fill import Fill
 
-ALONE = Options(starts=0)
+STRENGTH = 5e6  # of masonry whose kind is not named, as assessments of arch bridges often assume [Pa]
+LOWER = 1e-4  # share of the factor by which a row is lower, and no rounding
+SCENE, TOGETHER, ENDLESS = "scene", "together", "no finite load factor"
+BY = {"boussinesq": "by Boussinesq's line load", "2:1": "2:1"}
 
 
 @dataclass(frozen=True)
-class Without:
-    """The associated factor without an assumption."""
+class Row:
+    """The load factor under an assumption."""
 
-    assumed: str  # bond, crushing or fill
-    words: str  # what is left out
-    factor: float | None  # None where there is no finite one, 0 where the structure does not stand without it
-    why: str = ""  # why there is none
+    assumed: str  # scene, bond, crushing, fill, walls, spread or together
+    words: str
+    factor: float | None  # None where there is no finite one, 0 where the structure does not stand
+    why: str = ""  # there is none
+    key: str = ""  # of the scene, and its value, that assume this; empty where no one key does
+    counts: bool = False  # the scene does not state it otherwise, and it is no help: the verdict takes it where it is the least
+    position: float | None = None  # of the first axle at its worst [m]; None where it is given, or nothing crosses
 
     @property
     def line(self) -> str:
         """The line that is shown."""
-        if self.factor is None:
-            return f"without {self.words}: {self.why}"
-        return f"without {self.words}: {f'load factor {self.factor:.4g}' if self.factor else 'it does not stand'}"
+        found = self.why if self.factor is None else f"load factor {self.factor:.4g}" if self.factor else "it does not stand"
+        there = "" if self.position is None or not self.factor else f" at x = {self.position:.4g} m"
+        return f"{self.words}: {found}{there}{f' (--set {self.key})' if '=' in self.key else ''}"
 
     def numbers(self) -> dict[str, Any]:
         """For limit.json."""
         return asdict(self) | {"line": self.line}
 
 
-def without_assumptions(whole: WholeAnalysis) -> tuple[Without, ...]:
-    """The associated factors of a structure without each of its assumptions; none of one that has no factor, or assumes nothing."""
-    if not whole.has_factor or whole.analysis.bears_nothing or whole.analysis.problem.moves_support:
-        return ()
-    return tuple(
-        Without(assumed, words, *_factor(whole, assembly, loads)) for assumed, words, assembly, loads in _left_out(whole, whole.loads.at())
-    )
+@dataclass(frozen=True)
+class Assumed:
+    """What a load factor rests on: a row for each assumption, of a bridge the scene's own first."""
+
+    rows: tuple[Row, ...] = ()
+
+    @property
+    def decides(self) -> Row | None:
+        """The row that the verdict takes in place of the scene's own; None: that one holds."""
+        lower = [row for row in self.rows if row.counts and _is_lower(row, self.rows[0].factor)]
+        return min(lower, key=lambda row: row.factor or 0.0, default=None)
+
+    @property
+    def range(self) -> tuple[float, float] | None:
+        """The least and the largest factor of a bridge; None of anything else."""
+        found = [row.factor for row in self.rows if row.factor is not None]
+        return (min(found), max(found)) if any(row.assumed == SCENE for row in self.rows) and found else None
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines that are shown."""
+        lines = [row.line for row in self.rows]
+        return lines if self.range is None else [*lines, "by these assumptions: load factor {:.4g} to {:.4g}".format(*self.range)]
+
+    @property
+    def brief(self) -> list[str]:
+        """These lines as a verdict has them: of a bridge what decides, and the range."""
+        if self.range is None:
+            return [row.line for row in self.rows]
+        decides, own = self.decides, self.rows[0]
+        computed = own.why if own.factor is None else f"{own.factor:.4g}"
+        said = [] if decides is None else [decides.words, f"{computed} as computed"]
+        return [*said, "{:.4g} to {:.4g} by what is assumed".format(*self.range)]
+
+    def numbers(self) -> dict[str, Any]:
+        """For limit.json."""
+        decides = None if self.decides is None else self.decides.numbers()
+        return {"rows": [row.numbers() for row in self.rows], "decides": decides, "range": self.range, "brief": self.brief}
 
 
-def _left_out(whole: WholeAnalysis, loads: Loads) -> Iterator[tuple[str, str, Assembly, Loads]]:
-    """Each assumption, what is left out, and blocks and loads without it."""
-    assembly, laws, names = whole.assembly, whole.assembly.laws, whole.loads.tie_names
+def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing | None) -> Assumed:
+    """The load factors of a structure as built with its assumptions otherwise; none of one that does not stand, or assumes nothing.
+
+    Only of a bridge there are some where its own is not finite.
+    """
+    analysis, bridge = whole.analysis, bool(structure.made.fills)
+    if not analysis.stands or analysis.bears_nothing or analysis.problem.moves_support or (analysis.endless and not bridge):
+        return Assumed()
+    if not bridge:
+        return Assumed(tuple(_row(whole, None, *one) for one in _of_joints(structure)))
+    in_plane = analysis.problem.axis is not None  # in space the places of each row take too long: it has the one that the scene has
+    place = None if crossing is None else float(crossing.position[crossing.worst])
+    factor, why = (None, ENDLESS) if analysis.endless else (analysis.governing.factor, "")
+    own = Row(SCENE, f"as computed, {_in_words(structure)}", factor, why, position=place)
+    changed = [*_of_joints(structure), *_of_fill(structure, whole.loads.kind != "live")]
+    rows = [_row(whole, crossing if in_plane else None, *one) for one in changed]
+    lower = [one for one, row in zip(changed, rows, strict=True) if row.counts and _is_lower(row, own.factor)]
+    if len(lower) > 1:
+        both = structure
+        for _, other in lower:
+            both = _merged(both, structure, other)
+        words, key = " and ".join(row.words for row, _ in lower), " ".join(row.key for row, _ in lower)
+        rows.append(_row(whole, crossing if in_plane else None, Row(TOGETHER, words, None, key=key, counts=True), both))
+    return Assumed((own, *(replace(row, position=place) if row.position is None else row for row in rows)))
+
+
+def _is_lower(row: Row, own: float | None) -> bool:
+    return row.factor is not None and (own is None or row.factor < (1.0 - LOWER) * own)
+
+
+def _merged(one: LimitStructure, built: LimitStructure, other: LimitStructure) -> LimitStructure:
+    """A structure with the change of another one as well; each changed something else of the structure as built."""
+
+    def changed(old: Fill, new: Fill) -> dict[str, Any]:
+        keys = ("passive", "passive_shaken", "spread")
+        return {key: getattr(new, key) for key in keys if getattr(new, key) != getattr(old, key)}
+
+    every = zip(one.made.fills, built.made.fills, other.made.fills, strict=True)
+    fills = [replace(fill, **changed(old, new)) for fill, old, new in every]
+    assembly = one.assembly if other.assembly is built.assembly else other.assembly
+    return replace(one, made=one.made._replace(fills=fills), assembly=assembly)
+
+
+def _of_joints(structure: LimitStructure) -> Iterator[tuple[Row, LimitStructure]]:
+    """Rows of what joints are assumed to do, without their factors, and the structures of which they are."""
+    assembly, laws, material = structure.assembly, structure.assembly.laws, structure.scene.material
     if laws.apex.any():
-        yield "bond", "the bond of its joints", replace(assembly, laws=laws.unbonded()), loads
+        yield Row("bond", "without the bond of its joints", None), replace(structure, assembly=replace(assembly, laws=laws.unbonded()))
     if laws.crushing.any():
-        yield "crushing", "crushing, of joints of any strength", replace(assembly, laws=replace(laws, crushing=0.0 * laws.crushing)), loads
-    kept = np.array([not name.startswith(BARS) for name in names], dtype=bool)
-    if not kept.all():
-        bars = replace(loads.bars, **{key: getattr(loads.bars, key)[kept] for key in ("blocks", "points", "strength")})
-        yield "fill", "fill that resists", assembly, replace(loads, bars=bars)
+        row = Row("crushing", "without crushing, of joints of any strength", None)
+        yield row, replace(structure, assembly=replace(assembly, laws=replace(laws, crushing=0.0 * laws.crushing)))
+    elif structure.made.fills:
+        named = material.masonry
+        strength = STRENGTH if named is None else named.strength
+        words = f"with joints that crush at {pressure(strength)} ({'assumed' if named is None else named.kind})"
+        crushing = replace(laws, crushing=np.full_like(laws.crushing, strength))
+        open_ = named is None or "crushing" not in named.model_fields_set
+        row = Row("crushing", words, None, key=f"material.joints.compressive_strength={strength:g}", counts=open_)
+        yield row, replace(structure, assembly=replace(assembly, laws=crushing))
 
 
-def _factor(whole: WholeAnalysis, assembly: Assembly, loads: Loads) -> tuple[float | None, str]:
-    """The associated factor of blocks under loads, 0 where they do not stand; or None, and why there is no finite one."""
+def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[Row, LimitStructure]]:
+    """Likewise of what fill is assumed to do, and of walls."""
+    name, fills, scene = "passive_shaken" if shaken else "passive", structure.made.fills, structure.scene
+    open_, where = not all(_states(scene, fill, name) for fill in fills), fills[0].where
+    if any(getattr(fill, name) > 0.0 for fill in fills):
+        row = Row("fill", "without passive pressure of the fill", None, key=f"{where}.{name}=0", counts=open_)
+        yield row, _with_fills(structure, **{name: 0.0})
+    if any(getattr(fill, name) < 1.0 for fill in fills):
+        yield Row("fill", "with all of K_p", None, key=f"{where}.{name}=1"), _with_fills(structure, **{name: 1.0})
+    if "walls" in scene.structure:
+        bare = replace(scene, structure={key: value for key, value in scene.structure.items() if key != "walls"})
+        yield Row("walls", "without spandrel walls", None, key="without structure.walls"), limit_structure(bare)
+    if any(load.get("kind") == "vehicle" for load in scene.loads):
+        other = "2:1" if fills[0].spread == "boussinesq" else "boussinesq"
+        open_ = not all(_states(scene, fill, "spread") for fill in fills)
+        row = Row("spread", f"with wheels spread {BY[other]}", None, key=f"{where}.spread={other}", counts=open_)
+        yield row, _with_fills(structure, spread=other)
+
+
+def _with_fills(structure: LimitStructure, **keys: Any) -> LimitStructure:
+    return replace(structure, made=structure.made._replace(fills=[replace(fill, **keys) for fill in structure.made.fills]))
+
+
+def _states(scene: Scene, fill: Fill, name: str) -> bool:
+    """True where a scene gives a key of a fill; files always do."""
+    number = fill.where.removeprefix("structures[").partition("]")[0]
+    table = scene.structures[int(number)] if number.isdigit() else scene.structure
+    given = table.get("fill") or {}
+    return table.get("kind") == "file" or name in given
+
+
+def _in_words(structure: LimitStructure) -> str:
+    """What a scene assumes of its fill, and whether it says so."""
+    fill, scene = structure.made.fills[0], structure.scene
+
+    def by(name: str) -> str:
+        return "" if _states(scene, fill, name) else " by default"
+
+    name = "passive" if structure.loads().kind == "live" else "passive_shaken"
+    said = [f"{getattr(fill, name):.3g} of K_p{by(name)}"]
+    if any(load.get("kind") == "vehicle" for load in scene.loads):
+        said.append(f"wheels spread {BY[fill.spread]}{by('spread')}")
+    return ", ".join([*said, "joints that crush" if structure.assembly.laws.crushing.any() else "joints of any strength"])
+
+
+def _row(whole: WholeAnalysis, crossing: Crossing | None, row: Row, changed: LimitStructure) -> Row:
+    """A row with its factor, 0 where the structure does not stand; or with why there is no finite one."""
+    how = replace(whole.how, begins_at_parts=False)
+    if not changed.made.fills:
+        how = replace(how, analysis=Options(starts=0), most=0)  # the associated factor alone, a programme each
     try:
-        found = analyse(assembly, whole.joints, loads, ALONE)
+        if crossing is not None:
+            first = float(crossing.position[crossing.worst])
+            changed, crossing = at_worst(changed.of(anywhere(changed.scene, crossing.load)), first=first)
+        changed = replace(changed, asked=changed.asked.model_copy(update={"check": None, "curve": None}))
+        found = analyse_whole(changed, changed.loads(), how, ()).analysis
     except InputError as failure:
-        return None, f"no answer, {failure}"
+        return replace(row, why=f"no answer, {failure}")
+    place = None if crossing is None else float(crossing.position[crossing.worst])
     if not found.stands:
-        return 0.0, ""
-    return (None, "no finite load factor") if found.unlimited else (found.associated.factor, "")
+        return replace(row, factor=0.0)
+    if found.endless:
+        return replace(row, why=ENDLESS)
+    return replace(row, factor=found.governing.factor, position=place)

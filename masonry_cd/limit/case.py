@@ -26,7 +26,7 @@ from masonry_cd.app.progress import Progress
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.assumed import Without, without_assumptions
+from masonry_cd.limit.assumed import Assumed, assumed
 from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
@@ -92,9 +92,9 @@ class LimitCase:
         return self.structure.scene
 
     @cached_property
-    def without(self) -> tuple[Without, ...]:
-        """The load factor of the whole without each thing that is assumed of it."""
-        return () if self.whole is None else without_assumptions(self.whole)
+    def assumed(self) -> Assumed:
+        """The load factor of the whole with each thing that is assumed of it assumed otherwise."""
+        return Assumed() if self.whole is None else assumed(self.structure, self.whole, self.crossing)
 
     @cached_property
     def verdict(self) -> Verdict | None:
@@ -267,10 +267,13 @@ def _verdict(case: LimitCase) -> Verdict:
     """The verdict of the gravest mechanism, on those that no check could be made of, on parts that the solver has no answer for, and on a
     whole that has no load factor at which a mechanism would start.
 
-    It names the load factors of the whole without what is assumed of it.
+    It names the load factors of the whole with what is assumed of it assumed otherwise.
     """
     found = [] if case.decides is None else [case.decides.verdict()]
-    found = [replace(one, reason="; ".join([one.reason, *(each.line for each in case.without)])) for one in found]
+    found = [replace(one, reason="; ".join([one.reason, *case.assumed.brief])) for one in found]
+    row, own = case.assumed.decides, 0.0 if case.whole is None else case.whole.analysis.governing.factor
+    if row is not None and found and found[0].ratio is not None and found[0].ratio * (row.factor or 0.0) < own:
+        found.append(undecided(f"{row.line}; the scene does not state it, and with so little the demand is not met", found[0].search))
     for each in case.mechanisms:
         if each.check is not None and each.decides is None and each.one.mechanism is not None:  # among the gravest of its part
             found.append(undecided(f"{each.words}: no check, {each.no_displacement}", each.part.numbers))

@@ -30,7 +30,7 @@ def facts(case: LimitCase) -> dict[str, Any]:
         **({} if case.crossing is None else {"crossing": case.crossing.numbers()}),
         "mechanisms": [each.row for each in case.mechanisms],
         "parts": [_of_a_part(case, part) for part in case.parts],
-        "without": [one.numbers() for one in case.without],
+        "assumed": case.assumed.numbers(),
         "check": None if case.check is None else case.check.numbers() | {"basis": _basis(case)},
         "left_open": [] if asked is None else list(asked.by.left_open(asked.at(asked.building_height or 0.0) if asked.building else asked)),
         "verdict": None if case.verdict is None else case.verdict.numbers(),

@@ -71,10 +71,11 @@ class Crossing:
         )
 
 
-def at_worst(structure: LimitStructure, quiet: bool = True) -> tuple[LimitStructure, Crossing | None]:
+def at_worst(structure: LimitStructure, quiet: bool = True, first: float | None = None) -> tuple[LimitStructure, Crossing | None]:
     """A structure with the vehicle that its limit analysis multiplies at its worst place; as it is where no place is to be found.
 
-    It says how long the places still take, unless it is ``quiet``.
+    It says how long the places still take, unless it is ``quiet``. With a place to look at ``first``, likely the worst one, factors of
+    others are found only as far as they may be less, and are lower bounds.
 
     Raises:
         InputError: anything wrong with the scene.
@@ -84,7 +85,7 @@ def at_worst(structure: LimitStructure, quiet: bool = True) -> tuple[LimitStruct
     if number is None or "position" in scene.loads[number]:
         return middle, None
     with scene.locating():
-        found = _crossing(middle, number, quiet)
+        found = _crossing(middle, number, quiet, first)
         place = _places(middle, number).low if found is None else float(found.position[found.worst])
     return structure.of(_placed(middle.scene, number, place)), found
 
@@ -124,6 +125,13 @@ def _placed(scene: Scene, number: int, position: float) -> Scene:
     return replace(scene, loads=tuple(tables))
 
 
+def anywhere(scene: Scene, number: int) -> Scene:
+    """A scene whose vehicle has no place."""
+    tables = [dict(load) for load in scene.loads]
+    tables[number].pop("position", None)
+    return replace(scene, loads=tuple(tables))
+
+
 def _places(structure: LimitStructure, number: int) -> Places:
     """The first and last place of the first axle at which any axle stands on the bridge, and the vehicle."""
     from loads import kind_of, parse_load
@@ -134,7 +142,7 @@ def _places(structure: LimitStructure, number: int) -> Places:
     return kind.places(parse_load(given, where, structure.scene.folder), structure.made.fills, where)
 
 
-def _crossing(structure: LimitStructure, number: int, quiet: bool) -> Crossing | None:
+def _crossing(structure: LimitStructure, number: int, quiet: bool, first: float | None) -> Crossing | None:
     """The envelope; None of a structure that does not stand, which the analysis then says."""
     from masonry_cd.app.progress import Progress
 
@@ -146,13 +154,14 @@ def _crossing(structure: LimitStructure, number: int, quiet: bool) -> Crossing |
 
     def at(place: float) -> float:
         if place not in known:
-            known[place] = factor(place)
+            known[place] = factor(place, math.inf if first is None else min(known.values(), default=math.inf))
             progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 
     count = structure.asked.positions or (IN_PLANE if problem.axis is not None else IN_SPACE)
     with Progress(count, quiet, what="place of the vehicle") as progress:
-        _look(at, np.linspace(low, high, count + 2)[1:-1].tolist(), CLOSE * (high - low))
+        even = np.linspace(low, high, count + 2)[1:-1].tolist()
+        _look(at, even if first is None else [first, *even], CLOSE * (high - low))
     places = np.array(sorted(known))
     factors = np.array([known[place] for place in places.tolist()])
     return Crossing(number, words, places, factors, _spans(structure.made.fills[0]))
@@ -171,8 +180,9 @@ def _look(at: Callable[[float], float], places: Sequence[float], close: float) -
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
-def _factors(structure: LimitStructure, number: int) -> Callable[[float], float]:
-    """The largest factor of the vehicle by the place of its first axle; all other loads are those that the structure has."""
+def _factors(structure: LimitStructure, number: int) -> Callable[[float, float], float]:
+    """The largest factor of the vehicle by the place of its first axle, above ``enough`` a lower bound of it; all other loads are those
+    that the structure has."""
     from masonry_cd.app.static_loads import live_alone
 
     scene, assembly, joints = structure.scene, structure.assembly, structure.joints
@@ -184,12 +194,12 @@ def _factors(structure: LimitStructure, number: int) -> Callable[[float], float]
 
     others = loads.live - live(scene.loads[number])
 
-    def factor(place: float) -> float:
+    def factor(place: float, enough: float) -> float:
         there = replace(loads, live=others + live(scene.loads[number] | {"position": place}))
         axis = plane_of(assembly, there)
         problem = crushable(problem_at(assembly, points(axis), there, axis), assembly, joints)
         try:
-            return solved_finely(problem, lambda finer: largest_factor(finer)[0])[1].factor
+            return solved_finely(problem, lambda finer: largest_factor(finer)[0], enough)[1].factor
         except NoFiniteFactor:
             return math.inf
         except Unbounded as failure:

@@ -37,6 +37,7 @@ def lines(case: LimitCase) -> list[str]:
     return [
         *([] if verdict is None else [verdict.line]),
         *found_lines(case),
+        *([] if case.assumed.range is None else case.assumed.lines),
         *how,
         *_part_lines(case),
         *([] if case.check is None else case.check.lines(_checked_lines(case))),
@@ -61,7 +62,7 @@ def found_lines(case: LimitCase) -> list[str]:
     """The lines of the outcome, and of the joints at their compressive strength; the first line says of what."""
     if case.whole is None:
         return [_parts_in_words(case)]
-    without = [one.line for one in case.without]
+    without = case.assumed.lines if case.assumed.range is None else []  # of a bridge they are a table
     return [*_factor_lines(case, case.whole), *without, *crushed_lines(case.whole.crushed, case.whole.spare)]
 
 

@@ -78,6 +78,7 @@ def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> 
         held=[f"{part['element']} {part['push']}" for part in summary["parts"] if part["held"]],
         drawn=pictures({path: words or CAPTIONS[path.name] for path, words in drawn.items() if path.exists()}),
         ties=_ties(summary),
+        assumed=_assumed(summary["assumed"]),
         certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
@@ -130,6 +131,17 @@ def _value(step: Mapping[str, Any]) -> str:
     """Four digits and the unit; weights and masses in full."""
     value = step["value"]
     return f"{value:,.0f} {step['unit']}" if abs(value) >= 1e4 else number(value, step["unit"].replace("s2", "s²"))
+
+
+def _assumed(assumed: Mapping[str, Any]) -> list[list[str]]:
+    """The load factors of a bridge under other assumptions; none of anything else."""
+    return [
+        [
+            row["words"], row["why"] if row["factor"] is None else _aligned(row["factor"], 4) if row["factor"] else "does not stand",
+            "" if row["position"] is None else f"{row['position']:.4g}", row["key"],
+        ]
+        for row in (assumed["rows"] if assumed["range"] else ())
+    ]  # fmt: skip
 
 
 def _ties(summary: Mapping[str, Any]) -> list[list[str]]:

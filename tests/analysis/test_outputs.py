@@ -149,7 +149,7 @@ def test_what_writes_a_file_finds_it_declared():
 
 FOUND: dict[str, Any] = {
     "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.25, "verdict": None, "certificate": {"gap": 1e-12},
-    "least": {"factor": 0.24, "agreeing": 4, "starts": 4}, "without": [],
+    "least": {"factor": 0.24, "agreeing": 4, "starts": 4}, "assumed": {"rows": [], "decides": None, "range": None, "brief": []},
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ mechanism crushes, and the programme is solved again, until that adds next to no
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -126,15 +127,20 @@ def cut_where_it_crushes(problem: LimitProblem, best: Optimum) -> LimitProblem |
     return _with_cells(problem, found.cut_for(rate, section_forces(problem, best), crushes))
 
 
-def solved_finely(problem: LimitProblem, solve: Callable[[LimitProblem], Optimum]) -> tuple[LimitProblem, Optimum]:
+def solved_finely(
+    problem: LimitProblem, solve: Callable[[LimitProblem], Optimum], enough: float = math.inf
+) -> tuple[LimitProblem, Optimum]:
     """A problem and its optimum, the cells of its joints cut until that adds no more than FINE of the factor.
 
     Args:
         problem: that may have sections.
         solve: the largest factor of a problem.
+        enough: a factor above which it need not be found any closer.
     """
     best = solve(problem)
     for _ in range(ROUNDS):
+        if best.factor > enough:
+            break
         finer = cut_where_it_crushes(problem, best)
         if finer is None:
             break

@@ -11,7 +11,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.analysis.limit.solution import AGREE, LeastFound, agreement
-from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
+from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, RANKS, Verdict
 from masonry_cd.foundation.quantities import force
 
 STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a check by a code are coloured
@@ -60,8 +60,20 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
     checked = on_the_check(facts["verdict"])
     if checked is not None or "stands" not in facts:
         return checked
-    verdict = on_the_factor(facts)
-    return replace(verdict, because="; ".join(filter(None, [verdict.because, *(one["line"] for one in facts["without"])])))
+    verdict, assumed = on_the_factor(facts), facts["assumed"]
+    if assumed["decides"] is not None:
+        return _as_assumed(assumed, verdict.sure)
+    return replace(verdict, because="; ".join(filter(None, [verdict.because, *assumed["brief"]])))
+
+
+def _as_assumed(assumed: Mapping[str, Any], sure: str) -> Verdict:
+    """The verdict on a factor that rests on what the scene does not state."""
+    least = assumed["decides"]["factor"]
+    words, because = "read what it rests on before you rely on the factor", "; ".join(assumed["brief"])
+    keys = " and ".join(one.partition("=")[0] for one in assumed["decides"]["key"].split())
+    why = f"the scene does not state {keys}: what lowers the factor is taken"
+    grade = f"load factor {least:.4g}" if least else "does not stand"
+    return Verdict(grade, "", because, max(sure, LOOK, key=RANKS.index), words, why)
 
 
 def on_the_factor(facts: Mapping[str, Any]) -> Verdict:
