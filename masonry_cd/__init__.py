@@ -23,6 +23,7 @@ NAMES = {
     "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "Force": "masonry_cd.interface.own_forces:Force",
+    "Hazard": "masonry_cd.interface.hazard:Hazard",
     "InputError": "masonry_cd.foundation.errors:InputError",
     "JointLaw": "masonry_cd.interface.joint_law:JointLaw",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",

@@ -9,6 +9,7 @@ from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
 from masonry_cd.interface.compas_dem import from_compas_dem as from_compas_dem
 from masonry_cd.interface.compas_dem import to_compas_dem as to_compas_dem
+from masonry_cd.interface.hazard import Hazard as Hazard
 from masonry_cd.interface.joint_law import JointLaw as JointLaw
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
 from masonry_cd.interface.limit import limit_analysis as limit_analysis
@@ -39,6 +40,7 @@ __all__ = [
     "Block",
     "Comparison",
     "Force",
+    "Hazard",
     "InputError",
     "JointLaw",
     "LimitAnalysis",

@@ -198,7 +198,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
-    from masonry_cd.app.limit_table import limit_table
+    from masonry_cd.app.limit_table import limit_of
 
     begin = time.perf_counter()
     scene.refuse_static()
@@ -207,9 +207,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     events = _events(scene) if scene.events else ()
     with scene.locating(), _explained(scene, structure):
         if scene.limit:
-            from masonry_cd.app.limit_table import limit_table
+            from masonry_cd.app.limit_table import limit_of
 
-            limit_table(scene.limit)
+            limit_of(scene)
         strength_by_group(scene.material.strength, structure.assembly.groups)
         refuse_in_a_run(scene.material.joint_laws, scene.material.joint_moduli)
         if scene.stress:

@@ -39,9 +39,9 @@ class LimitStructure:
         Raises:
             InputError: a bad table.
         """
-        from masonry_cd.app.limit_table import limit_table
+        from masonry_cd.app.limit_table import limit_of
 
-        return replace(self, scene=scene, asked=limit_table(scene.limit))
+        return replace(self, scene=scene, asked=limit_of(scene))
 
     def loads_of_parts(self) -> StaticLoads:
         """The loads as its parts bear them, each of which has a push of its own.
@@ -72,12 +72,12 @@ def limit_structure(scene: Scene) -> LimitStructure:
         InputError: with file and line of the scene where a key is at fault.
     """
     from masonry_cd.app.case import make_structures
-    from masonry_cd.app.limit_table import limit_table
+    from masonry_cd.app.limit_table import limit_of
 
     scene.refuse_tables("limit analysis", "links", "events")
     made, material = make_structures(scene), scene.material
     with scene.locating():
         refuse_spheres(made.blocks, "structure", "limit analysis")
-        asked = limit_table(scene.limit)
+        asked = limit_of(scene)
         assembly = replace(Assembly.from_blocks(made.blocks, material.with_rigid_joints), deformation=None)
         return LimitStructure(scene, made, asked, assembly, find_joints(assembly))

@@ -9,7 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from loads.motion import DirectionKey
+from masonry_cd.analysis.code_check.site import completed
 from masonry_cd.analysis.code_check.table import CheckTable
+from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import parse_table, suggest
 from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.foundation.plugins import names
@@ -139,3 +141,15 @@ def limit_table(table: Mapping[str, Any]) -> LimitTable:
         InputError: an unknown key, or a value out of range.
     """
     return parse_table(LimitTable, table, "limit")
+
+
+def limit_of(scene: Scene) -> LimitTable:
+    """Check the table ``[limit]`` of a scene; its hazard gives the check what the site asks for.
+
+    Raises:
+        InputError: an unknown key, a value out of range, one that the hazard gives as well, or a hazard that cannot be read.
+    """
+    check = scene.limit.get("check")
+    if not isinstance(check, Mapping) or scene.hazard is None or scene.site is None:
+        return limit_table(scene.limit)
+    return limit_table({**scene.limit, "check": completed(check, scene.site)})

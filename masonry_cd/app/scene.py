@@ -10,6 +10,7 @@
     [run]        dt, duration ...
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
+    [hazard]     return_period, ag ... # optional, of the site: limit analysis and studies read it
     [assess]     friction = [0.5, 0.7]  # optional, ranges for masonry-cd assess
     [[output.point]]  block, corner   # optional, what is kept in every step
     [[events]]   at, remove ...       # optional, what changes in the middle of a run; checked by app/events.py
@@ -25,11 +26,13 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from masonry_cd.analysis.hazard.table import HazardTable, hazard_of
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, parse_toml, place_of, read_text
@@ -41,6 +44,7 @@ from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
 if TYPE_CHECKING:
+    from masonry_cd.analysis.hazard.curve import Hazard
     from structures.kind import StructureKind
 
 LONGEST_VALUE = 60  # characters of a --set that messages repeat
@@ -71,6 +75,8 @@ class SceneTables(Table):
     """Pictures and tables that are written after the run."""
     limit: dict[str, Any] = Field(default_factory=dict)
     """Loads that masonry-cd limit multiplies until the structure gives way; a run does not read it."""
+    hazard: dict[str, Any] | None = None
+    """How often the site shakes how strongly: checks of limit analysis and studies read it, a run does not."""
     assess: dict[str, Any] = Field(default_factory=dict)
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
     output: dict[str, Any] = Field(default_factory=dict)
@@ -94,7 +100,7 @@ class SceneTables(Table):
             raise ValueError(f"a newer masonry_cd reads this; this one reads scenes up to format {FORMAT}")
         return value
 
-    @field_validator("structure", "material", "run", "report", "limit", "assess", "output", mode="before")
+    @field_validator("structure", "material", "run", "report", "limit", "hazard", "assess", "output", mode="before")
     @classmethod
     def _is_table(cls, value: object) -> object:
         if not isinstance(value, Mapping):
@@ -164,6 +170,7 @@ class Scene:
     path: Path
     origin: Origin  # of its keys, for messages
     limit: dict[str, Any] = field(default_factory=dict)  # checked by loads
+    hazard: HazardTable | None = None  # its keys
     assess: AssessTable = field(default_factory=AssessTable)
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
@@ -187,6 +194,16 @@ class Scene:
         from structures import kind_of
 
         return None if self.structures else kind_of(str(self.structure.get("kind")), self.folder)
+
+    @cached_property
+    def site(self) -> Hazard | None:
+        """The hazard of the site; None without a table of it.
+
+        Raises:
+            InputError: a file of it that cannot be read, or holds none.
+        """
+        with self.locating():
+            return None if self.hazard is None else hazard_of(self.hazard, self.folder)
 
     @property
     def until_still(self) -> bool:
@@ -287,6 +304,9 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         ):
             with faults.of():
                 read[name] = parse_table(model, table, name)
+        if top.hazard is not None:
+            with faults.of():
+                read["hazard"] = parse_table(HazardTable, top.hazard, "hazard")
         for i, table in enumerate(top.links):
             with faults.of():
                 read["links"] = (*read.get("links", ()), parse_table(LinkTable, table, f"links[{i}]"))

@@ -12,6 +12,7 @@ import inspect
 import sys
 from pathlib import Path
 
+from masonry_cd.analysis.hazard.table import HazardTable
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.app.scene import SceneTables
@@ -46,6 +47,7 @@ def scene_schema() -> Schema:
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)
     keys["limit"] |= limit_schema()
+    keys["hazard"] = table_schema(HazardTable) | {"description": keys["hazard"]["description"]}
     keys["assess"] |= table_schema(AssessTable)
     keys["output"] |= table_schema(OutputTable)
     for table in ("structure", "material", "run", "report", "limit", "assess", "output"):

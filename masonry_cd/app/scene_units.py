@@ -14,6 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from masonry_cd.analysis.hazard.table import HazardTable
 from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.output_table import OutputTable
 from masonry_cd.foundation.errors import InputError, table_in_si
@@ -77,6 +78,7 @@ def _models(name: str, table: Mapping[str, Any], folder: Path | None = None) -> 
         return (LimitTable,)
     one: dict[str, type[BaseModel]] = {
         "material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable, "links": LinkTable,
+        "hazard": HazardTable,
     }  # fmt: skip
     return (one[name],) if name in one else ()
 

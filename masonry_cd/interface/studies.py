@@ -16,6 +16,7 @@ import numpy as np
 
 from masonry_cd.analysis.fragility.findings import findings_in
 from masonry_cd.analysis.fragility.measures import unit
+from masonry_cd.analysis.fragility.rates import COLUMNS as RATES
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS
 from masonry_cd.analysis.outputs import STUDY, numbers_in, units_in
 from masonry_cd.app.result import said
@@ -88,6 +89,15 @@ class Study(Sealed):
         measure = unit(self._found.asked.measure or "")
         table = _table(rows, (*COLUMNS_OF_FITS, "beta_record", "beta_model"), "limit_state")
         return _with_units(table, dict.fromkeys(("theta", "theta_low", "theta_high"), measure))
+
+    @cached_property
+    def frequencies(self) -> DataFrame:
+        """A row per limit state: how often a year it is exceeded over the hazard of the scene, with the 95 % band, and in 50 years.
+
+        ``frequency`` counts what lies beyond the rows of the hazard in full, ``frequency_least`` as little as it can. No rows without a
+        table ``[hazard]``, or with one of another measure than the study's.
+        """
+        return _with_units(_table([rate.row() for rate in self._findings.rates], RATES, "limit_state"), {"frequency": "1/year"})
 
     @cached_property
     def sensitivity(self) -> DataFrame:

@@ -16,6 +16,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.check import with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
+from masonry_cd.analysis.code_check.site import known_at
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Verdict, refused, undecided, worst
 from masonry_cd.analysis.limit.descent import watched
 from masonry_cd.analysis.limit.found import says_the_same
@@ -140,7 +141,7 @@ def limit_case(
         asked, ground = structure.asked.check, None
         if asked is not None:  # refused before anything is computed
             foundation_of(asked, structure.assembly)
-            ground = ground_of(asked, scene.folder)
+            ground = ground_of(asked, scene.folder, known_at(scene.site, asked))
         parts, rows, notes = _parts(structure, ground, wanted, keep) if with_parts else ([], [], [])
         whole, of_whole, on_parts = _whole(structure, parts, wanted) if whole_too else (None, [], [])
         assembly = structure.assembly if whole is None else whole.assembly

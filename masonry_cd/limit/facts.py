@@ -32,6 +32,7 @@ def facts(case: LimitCase) -> dict[str, Any]:
         "parts": [_of_a_part(case, part) for part in case.parts],
         "assumed": case.assumed.numbers(),
         "check": None if case.check is None else case.check.numbers() | {"basis": _basis(case)},
+        "hazard": None if case.scene.site is None or not case.scene.site.known else case.scene.site.numbers(),
         "left_open": [] if asked is None else list(asked.by.left_open(asked.at(asked.building_height or 0.0) if asked.building else asked)),
         "verdict": None if case.verdict is None else case.verdict.numbers(),
         "modelled": list(case.modelled),

@@ -16,6 +16,7 @@ from masonry_cd.analysis.fragility.findings import Findings, findings_in
 from masonry_cd.analysis.fragility.fits import Fit
 from masonry_cd.analysis.fragility.folder import FIRST, Study
 from masonry_cd.analysis.fragility.measures import unit
+from masonry_cd.analysis.fragility.rates import Rate
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS
 from masonry_cd.analysis.outputs import STUDY_PAGE, numbers_in
 from masonry_cd.analysis.outputs.folders import files_of
@@ -28,7 +29,7 @@ from reports.drawing.render import NoContext
 from reports.page.document import Badge, Head, pictures, rows_of_many, script_of, write_document
 from reports.study.joint_maps import draw_joint_maps
 from reports.study.pictures import METHODS, cloud_picture, fragility_picture, ida_picture, spread_picture, stripes_picture, tornado_picture
-from reports.study.tables import COLUMNS_OF_FITS, DIGITS, entry_of, row_of, write_openquake
+from reports.study.tables import COLUMNS_OF_FITS, DIGITS, entry_of, row_of, write_openquake, write_vulnerability
 
 PAGE = "study.html"
 ROWS = 3000  # of the table of runs; all are in runs.csv
@@ -96,14 +97,19 @@ def _write_tables(found: Findings) -> tuple[list[Path], list[str]]:
     """Write fragility.csv, .json and .xml, sensitivity.csv; those that there are, and warnings."""
     study, fits, warnings = found.study, found.fits, list[str]()
     table, facts, nrml = (study.folder / f"fragility.{form}" for form in ("csv", "json", "xml"))
-    sensitivity = study.folder / "sensitivity.csv"
+    sensitivity, losses = study.folder / "sensitivity.csv", study.folder / "vulnerability.xml"
     if fits:
         write_csv(table, COLUMNS_OF_FITS, (row_of(fit).values() for fit in fits), digits=6)
-        write_json(facts, {"format": 1, "fits": [entry_of(fit) for fit in fits], "warnings": found.all_fits.warnings}, DIGITS)
+        write_json(
+            facts,
+            {"format": 1, "fits": [entry_of(fit) for fit in fits], **_over_hazard(found), "warnings": found.all_fits.warnings},
+            DIGITS,
+        )
         warnings = write_openquake(nrml, study.asked.title, found.first_fits)
+        warnings += write_vulnerability(losses, study.asked.title, found.first_fits, study.asked.loss_ratios)
     if found.correlations:
         write_csv(sensitivity, COLUMNS, found.correlations, digits=6)
-    return [path for path in (table, facts, nrml, sensitivity) if path.exists()], warnings
+    return [path for path in (table, facts, nrml, losses, sensitivity) if path.exists()], warnings
 
 
 class Diagram(NamedTuple):
@@ -150,6 +156,7 @@ def _summary(found: Findings, made: StudyReport) -> dict[str, Any]:
         "records": len(found.study.motions),
         "collapsed": found.fell,
         "fragility": [row_of(fit) | dict(fit.betas.as_dict()) for fit in found.first_fits],
+        **_over_hazard(found),
         "spread": {column: spread._asdict() for column, spread in found.spreads.items()},
         "sensitivity": [row._asdict() for row in found.correlations if row.kind == "varied"],
         "files": [*(path.name for path in made.files), PAGE],
@@ -181,6 +188,8 @@ def write_page(found: Findings, made: StudyReport) -> None:
         measure=fits[0].measure if fits else "",
         fits=[_fit(fit) for fit in fits],
         on_beta="; ".join(notes),
+        rates=[_rate(rate) for rate in found.rates],
+        hazard=study.asked.hazard,
         runs=_runs(study),
         printed=PRINTED,
         settings=[*_settings(study).items()],
@@ -216,6 +225,28 @@ def _fit(fit: Fit) -> list[str]:
         _number(fit.betas.record, 2),
         _number(fit.betas.model, 2),
         f"{fit.exceeded} of {fit.runs} {'records' if fit.method == 'ida' else 'runs'}",
+    ]
+
+
+def _over_hazard(found: Findings) -> dict[str, Any]:
+    """The hazard of the site and how often limit states are exceeded, of a study whose scene has one."""
+    hazard = found.study.asked.hazard
+    return (
+        {} if hazard is None else {"hazard": hazard, "frequencies": [rate.row() for rate in found.rates], "annual_loss": found.annual_loss}
+    )
+
+
+def _rate(rate: Rate) -> list[str]:
+    """A row of the table of frequencies."""
+    row, (low, high) = rate.row(), rate.band
+    return [
+        rate.limit,
+        f"{rate.most:.2g}",
+        f"{rate.least:.2g}",
+        f"{low:.2g} to {high:.2g}",
+        f"{row['return_period_years']:.3g}",
+        f"{100.0 * row['probability_50_years']:.2g} %",
+        f"{100.0 * row['probability_low']:.2g} to {100.0 * row['probability_high']:.2g} %",
     ]
 
 

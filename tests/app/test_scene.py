@@ -285,6 +285,7 @@ PURE = {
     *("active_at", "gone_at"),  # movement over depth
     *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
     *("above", "below"),  # of whatever a gauge shows
+    *("return_period", "years", "nominal_life", "frequency", "probability"),  # in years, and per year
 }
 """Keys whose numbers have no unit."""
 

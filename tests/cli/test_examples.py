@@ -14,6 +14,7 @@ from places import EXAMPLES
 
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.case import make_structures, prepare
+from masonry_cd.app.limit_table import limit_of
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
@@ -53,6 +54,13 @@ def test_the_parts_of_the_church_are_those_of_practice():
     made = make_structures(read_scene(EXAMPLES / "church_parts.toml", []))
     names = " ".join(part.name for part in macro_elements(made[0], kind_of("church").parts))
     assert all(word in names for word in ("facade", "triumphal arch", "apse", "belfry"))
+
+
+def test_the_check_of_the_church_takes_ag_from_the_hazard_of_its_site():
+    check = limit_of(read_scene(EXAMPLES / "church_parts.toml", [])).check
+    power = math.log(50.0 / -math.log(0.9) / 201.0) / math.log(475.0 / 201.0)
+    assert check is not None and check.ag == pytest.approx(1.48 * (2.0 / 1.48) ** power)
+    assert check.tc_star == pytest.approx(0.3 * (0.32 / 0.3) ** power)
 
 
 def test_the_springings_of_the_arch_carry_its_weight(tmp_path):
@@ -248,6 +256,8 @@ def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
 def test_the_study_of_an_arch_has_runs_that_can_be_made() -> None:
     plan = plan_of(EXAMPLES / "study_arch.toml")
     assert len(plan.runs) == len({run.name for run in plan.runs}) == 32
+    hazard = plan.maker.study.scene.site
+    assert hazard is not None and (hazard.measure, hazard.return_period(2.0).years) == ("ag", pytest.approx(625.0))
     tables = plan.maker.tables(plan.runs[-1].asked)
     assert (tables["loads"][0]["ag"], tables["loads"][0]["seed"]) == (8.0, 7)
     row = run_task(Task("last", tables | {"run": tables["run"] | {"duration": 0.1}}, 60.0)).row

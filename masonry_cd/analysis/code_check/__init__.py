@@ -7,6 +7,7 @@ ground.py    the motion of the ground: the spectrum of a code, or that of a reco
 level.py     how high a mechanism is held, the whole and parts alike
 floors.py    its motion at a height of a building
 steps.py     values with symbol, unit, clause and formula, and the formulas with their numbers
+site.py      the hazard of the site: what a limit state asks for, return period and risk class of what is borne
 borne.py     the acceleration of the ground that is just borne
 spectra.py   the spectra of a check as curves, each a Spectrum of spectrum.py
 verdicts.py  demand against capacity, and the one verdict that follows: result and confidence

@@ -4,8 +4,8 @@ r"""The acceleration of the ground that a mechanism just bears, and its share of
     PGA_C = the ag at which capacity = demand(ag),        zeta_E = PGA_C / PGA_D,       PGA_D = the ag of the site and limit state
 
 Both are peak accelerations on rock; of a record they are its own, and the record grows as a whole. The mechanism, its height, the building
-with its period and damping, q, F0 and TC* stay as they are; what a code makes a function of ag follows it: SS and TD of NTC. F0 and TC* of
-another return period would differ, which is left out.
+with its period and damping and q stay as they are; what a code makes a function of ag follows it: SS and TD of NTC. F0 and TC* follow it
+where the hazard of the site has them, and stay as they are without one.
 
 The demand grows with ag, nearly everywhere: on ground D of NTC ag SS falls by 6 % between F0 ag/g = 0.8 and 1.07. There several ag meet the
 capacity, and the one is taken that goes with the verdict: upwards from an ag that is borne, and from zero below one that is not.
@@ -20,6 +20,8 @@ from typing import Any
 
 from scipy.optimize import brentq
 
+from masonry_cd.analysis.hazard.curve import Period
+
 STEP = 1.1  # by which the search goes up until the demand is met no more
 LEAST, MOST = 1e-6, 1e3  # ag over that of the site between which it is looked for
 CLOSE = 1e-12  # relative, of the root
@@ -32,6 +34,7 @@ class Borne:
     check: str  # linear or non-linear
     borne: float | None  # PGA_C [m/s2]; None where every ag is borne, 0 where none is
     asked: float  # PGA_D [m/s2]
+    period: Period | None = None  # the return period of what is borne, where the hazard of the site is known
 
     @property
     def share(self) -> float | None:
@@ -46,11 +49,15 @@ class Borne:
         if self.borne == 0.0:
             return f"{self.check} check: no ag is borne, zeta_E = 0: the mechanism has no capacity"
         share = f"zeta_E = PGA_C / PGA_D = {self.borne:.4g} / {self.asked:.4g} = {self.share:.4g}"
-        return f"{self.check} check: just borne is PGA_C = {self.borne:.4g} m/s2, {share}"
+        often = "" if self.period is None else f", return period of PGA_C {self.period.words}"
+        return f"{self.check} check: just borne is PGA_C = {self.borne:.4g} m/s2, {share}{often}"
 
     def numbers(self) -> dict[str, Any]:
         """The numbers of it in check.json."""
-        return asdict(self) | {"share": self.share, "words": self.words}
+        found = asdict(self) | {"share": self.share, "words": self.words}
+        del found["period"]
+        years, bound = (None, "") if self.period is None else self.period
+        return found | {"return_period_years": years, "return_period_bound": bound}
 
 
 def just_borne(check: str, met: Callable[[float], float], asked: float) -> Borne:

@@ -23,6 +23,7 @@ from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, ElasticSpectrum, Qua
 from loads.signal.spectra.table import beyond
 from masonry_cd.analysis.code_check.steps import GROUND, Working
 from masonry_cd.analysis.code_check.table import CheckRecord, CheckTable
+from masonry_cd.analysis.hazard.curve import Hazard
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 
@@ -42,6 +43,7 @@ class CodeGround:
 
     site: SiteSpectrum
     gravity: float = STANDARD_GRAVITY  # of the formulas of a code; a check sets that of its mechanism
+    hazard: Hazard | None = None  # of the site
 
     @cached_property
     def spectrum(self) -> ElasticSpectrum:
@@ -78,8 +80,16 @@ class CodeGround:
         return replace(self, gravity=gravity)
 
     def scaled(self, ag: float) -> CodeGround:
-        """The spectrum of another ag [m/s2]; F0 and TC* of NTC stay, factors and corners that depend on ag follow it."""
-        return replace(self, site=self.site.of_kind.grown(self.site, self.ag, ag))
+        """The spectrum of another ag [m/s2]; factors and corners that depend on ag follow it, F0 and TC* of NTC where the hazard has them."""
+        grown = self.site.of_kind.grown(self.site, self.ag, ag)
+        return replace(self, site=grown.model_copy(update=self._shape(ag)))
+
+    def _shape(self, ag: float) -> dict[str, float]:
+        """F0 and TC* of the return period of an ag, as far as the hazard has them."""
+        if self.hazard is None or self.site.spectrum != "NTC":
+            return {}
+        row = self.hazard.nearest(self.hazard.return_period(ag).years)
+        return {key: value for key, value in (("f0", row.f0), ("tc_star", row.tc_star)) if value is not None}
 
     def put(self, made: Working) -> None:
         """Note ag, factors and corners."""
@@ -190,14 +200,14 @@ class RecordGround:
 Ground = CodeGround | RecordGround  # what a check gets; both answer the same questions
 
 
-def ground_of(table: CheckTable, folder: Path) -> Ground:
-    """The motion that a table names.
+def ground_of(table: CheckTable, folder: Path, hazard: Hazard | None = None) -> Ground:
+    """The motion that a table names; the ``hazard`` of its site says how a spectrum changes with ag.
 
     Raises:
         InputError: a record or a table that cannot be read, or a key with a period that the table does not reach.
     """
     if table.record is None:
-        ground = CodeGround(table.read(folder, "limit.check"))
+        ground = CodeGround(table.read(folder, "limit.check"), hazard=hazard)
         for key in ("building_period", "element_period"):
             period = getattr(table, key)
             if period is not None and period > ground.longest:

@@ -18,6 +18,7 @@ from loads.signal.spectra.table import beyond
 from masonry_cd.analysis.code_check.borne import Borne
 from masonry_cd.analysis.code_check.level import Level
 from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
+from masonry_cd.analysis.hazard.risk import Risk
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 GROUND, MECHANISM, BUILDING = "motion of the ground", "mechanism", "building"  # parts of a check other than linear and non-linear
@@ -102,6 +103,7 @@ class CodeCheck:
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at
     level: Level | None = None  # at which the mechanism is held, where that is known
     borne: tuple[Borne, ...] = ()  # the acceleration of the ground that each check just meets, where it was looked for
+    risk: Risk | None = None  # by the Italian guideline, where the hazard of the site is known
 
     @property
     def worked(self) -> dict[str, list[str]]:
@@ -117,6 +119,7 @@ class CodeCheck:
         out = asdict(self) | {"worked": self.worked}
         out["verdicts"] = [one.numbers() for one in self.verdicts]
         out["borne"] = [one.numbers() for one in self.borne]
+        out["risk"] = None if self.risk is None else self.risk.numbers()
         out["steps"] = [asdict(step) | {"line": line} for step, line in zip(self.steps, with_numbers(self.steps), strict=True)]
         return out
 
@@ -125,6 +128,7 @@ class CodeCheck:
         state = f", {self.limit_state}" if self.limit_state else ""
         head = f"{self.edition}{state}; {self.ground}"
         said = [*(one.words for one in self.verdicts), *(one.words for one in self.borne), *self.notes]
+        said += [] if self.risk is None else self.risk.lines
         said += [f"left open: {one}" for one in self.left_open]
         return [head, *of, *said]
 

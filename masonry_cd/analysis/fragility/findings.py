@@ -17,6 +17,7 @@ from masonry_cd.analysis.fragility.bootstrap import LEVEL
 from masonry_cd.analysis.fragility.fits import ORDER, Fit, Fits, fit_study
 from masonry_cd.analysis.fragility.folder import Study, read_study
 from masonry_cd.analysis.fragility.measures import with_unit
+from masonry_cd.analysis.fragility.rates import Rate, annual_loss, hazard_of, mismatch, rates_of
 from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, Correlation, correlations
 from masonry_cd.analysis.outputs import NUMBERS, STUDY_PAGE, lengths_in
 from masonry_cd.analysis.run_row import STATES
@@ -69,6 +70,17 @@ class Findings:
         for fit in sorted(filter(lambda fit: fit.fitted, self.fits), key=lambda fit: ORDER.index(fit.method)):
             best.setdefault(fit.limit, fit)
         return [best[limit] for limit in dict.fromkeys(fit.limit for fit in self.fits) if limit in best]
+
+    @cached_property
+    def rates(self) -> list[Rate]:
+        """How often a year each of these fits is exceeded; none without the hazard of the site, and over another measure than its own."""
+        hazard = hazard_of(self.study.asked.hazard)
+        return [] if hazard is None or mismatch(hazard, self.study.asked.measure) else rates_of(self.first_fits, hazard)
+
+    @property
+    def annual_loss(self) -> float | None:
+        """The mean annual loss over the cost of reconstruction; None without loss ratios, or without rates of their limit states."""
+        return annual_loss(self.rates, self.study.asked.loss_ratios)
 
     @cached_property
     def correlations(self) -> list[Correlation]:
@@ -137,7 +149,9 @@ class Findings:
     def warnings(self) -> list[str]:
         """Warnings, a line each."""
         none = [] if self.study.done.any() else ["no run is done: there is nothing to fit"]
-        return [*none, *(f"{flaw.what}: {flaw.so}" if flaw.so else flaw.what for flaw in self.flaws), *self.all_fits.warnings]
+        hazard = hazard_of(self.study.asked.hazard)
+        other = [] if hazard is None else [*hazard.notes, *filter(None, [mismatch(hazard, self.study.asked.measure)])]
+        return [*none, *(f"{flaw.what}: {flaw.so}" if flaw.so else flaw.what for flaw in self.flaws), *self.all_fits.warnings, *other]
 
     @property
     def verdict(self) -> Verdict:
@@ -169,7 +183,8 @@ class Findings:
         """The closing lines, which the command prints and the page begins with."""
         fitted = [fit_line(fit) for fit in self.first_fits]
         spread = [_spread_line(column, found) for column, found in self.spreads.items() if not column.endswith("grade_number")]
-        return [self._first(), *(fitted or spread), *self._matters()]
+        costs = [] if self.annual_loss is None else [f"mean annual loss {100 * self.annual_loss:.2g} % of the cost of reconstruction"]
+        return [self._first(), *(fitted or spread), *(rate.line for rate in self.rates), *costs, *self._matters()]
 
     def _first(self) -> str:
         """How many runs there are."""

@@ -54,6 +54,10 @@ class StudyFacts(Table):
     """Keys of the scene."""
     limit_states: dict[str, LimitTable]
     """Limit states by name."""
+    hazard: dict[str, Any] | None = None
+    """Hazard of the site, where the scene has one: measure, intensity, frequency."""
+    loss_ratios: dict[str, float] = Field(default_factory=dict)
+    """Cost of repair over that of reconstruction, by the name of the limit state."""
     keep: str = "none"
     """Files that are kept of each run."""
     plan: str = ""

@@ -69,6 +69,7 @@ FOLDERS: dict[str, dict[str, str]] = {
         "fragility.csv": "every fit with its bands",
         "fragility.json": "those with the parts of their scatter",
         "fragility.xml": "the fits as OpenQuake reads them",
+        "vulnerability.xml": "loss ratios over the intensity, as OpenQuake reads them",
         "sensitivity.csv": "what goes with the damage, by rank correlation",
         "joint_probabilities.csv": "every joint: how often it opened, slid and was lost",
         "limits.csv": "of asks = limit: every scene with its factors",

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from masonry_cd.analysis.fragility.folder import TABLE
+from masonry_cd.analysis.fragility.folder import TABLE, read_facts
 from masonry_cd.app.result import Result, Say
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import check_first
+from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.limit_runs import LIMITS, limit_lines, write_limits
 from masonry_cd.studies.study.plan import Plan
-from masonry_cd.studies.study.study_case import Options, Ways, make_runs
+from masonry_cd.studies.study.study_case import Options, Ways, hazard_numbers, make_runs
 from masonry_cd.studies.study.table import PARQUET, write_table
 
 WAYS = {"run": Ways(write_table, check=check_first, maps=True), "limit": Ways(write_limits)}
@@ -45,5 +46,7 @@ def report(plan: Plan, folder: Path) -> Result[None]:
 
     if plan.maker.study.tables.asks == "limit":
         raise InputError("--report", "a study of limit analyses has limits.csv and no fits")
+    here = StudyFolder(folder)
+    here.describe(read_facts(folder).model_copy(update={"hazard": hazard_numbers(plan.maker.study)}))  # which is no part of the runs
     found = write_study(folder)
     return Result(None, [found.verdict.line, *found.lines, f"page: {folder / PAGE}"], found.warnings)

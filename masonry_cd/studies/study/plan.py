@@ -90,7 +90,8 @@ class Maker:
 
     def name(self, tables: Mapping[str, Any]) -> str:
         """The digest of a scene."""
-        plain = copy.deepcopy({key: value for key, value in tables.items() if key != "title"})
+        unread = {"title"} if self.study.tables.asks == "limit" else {"title", "hazard"}
+        plain = copy.deepcopy({key: value for key, value in tables.items() if key not in unread})
         plain["report"] = {key: value for key, value in plain.get("report", {}).items() if key in THRESHOLDS}
         plain["until_still"] = self.study.scene.until_still
         _replace_paths(plain, self._digest)

@@ -107,6 +107,7 @@ def plan_of_study(study: Study) -> Plan:
     Raises:
         InputError: see :func:`plan_of`.
     """
+    hazard_numbers(study)  # refused before anything is made
     space = Space(study.tables, find_records(study), study.varied)
     check_varied(study, space)
     with study.locating():
@@ -256,6 +257,16 @@ def _identity(plan: Plan) -> dict[str, str]:
     }
 
 
+def hazard_numbers(study: Study) -> dict[str, Any] | None:
+    """The rows of the hazard of the study's scene; None without one, and of a life alone.
+
+    Raises:
+        InputError: a file of it that cannot be read.
+    """
+    found = study.scene.site
+    return None if found is None or not found.known else found.numbers()
+
+
 def _facts(plan: Plan, runs: int | None = None) -> StudyFacts:
     """study.json, for the statistics."""
     study = plan.maker.study
@@ -271,6 +282,8 @@ def _facts(plan: Plan, runs: int | None = None) -> StudyFacts:
         levels=None if intensity is None else intensity.levels,
         varied=study.varied.columns,
         limit_states=tables.limit_states,
+        hazard=hazard_numbers(study),
+        loss_ratios=tables.loss_ratios,
         keep=tables.run.keep,
         plan=digest_of([run.name for run in plan.ordered()]),
         runs=runs if plan.adapts else len(plan.runs),

@@ -142,6 +142,8 @@ class StudyTables(Table):
     """Correlations of keys that vary."""
     limit_states: dict[str, LimitTable] = Field(default_factory=dict)
     """Limit states that each run is asked for."""
+    loss_ratios: dict[str, Annotated[Number, Field(ge=0.0, le=1.0)]] = Field(default_factory=dict)
+    """Cost of repair over that of reconstruction of limit states by name, for vulnerability.xml and the mean annual loss."""
     ida: IdaTable | None = None
     """Search of the design "ida"."""
     ensemble: EnsembleTable | None = None
@@ -272,6 +274,9 @@ def _check_design(top: StudyTables) -> None:
         raise InputError(
             "ida.limit_state", f'there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
         )
+    for name in top.loss_ratios:
+        if name not in top.limit_states:
+            raise InputError(f"loss_ratios.{name}", f"there is no such limit state{suggest(name, top.limit_states)}")
     of_files = top.records is not None and top.records.folder is not None
     if intensity is not None and (intensity.key is None) != of_files:
         if of_files:
