@@ -45,7 +45,7 @@ def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Osc
         other = table.model_copy(update={"limit_state": state} | {key: value for key, value in of_row.items() if value is not None})
         if state not in table.by.limit_states or (state == "SLC" and not other.by_displacements):
             return ()
-        there, motion = other.at(level.counted), replace(ground, site=other)
+        there, motion = other.at(level.counted), CodeGround(other, hazard=hazard)
         return _just_borne(_checked(there, oscillator, motion), there, oscillator, motion)
 
     return with_site(made, table, hazard, search)

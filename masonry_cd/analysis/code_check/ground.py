@@ -80,7 +80,7 @@ class CodeGround:
         return replace(self, gravity=gravity)
 
     def scaled(self, ag: float) -> CodeGround:
-        """The spectrum of another ag [m/s2]; factors and corners that depend on ag follow it, F0 and TC* of NTC where the hazard has them."""
+        """The spectrum of another ag [m/s2]; what depends on ag follows it, F0 and TC* of NTC where the hazard has them."""
         grown = self.site.of_kind.grown(self.site, self.ag, ag)
         return replace(self, site=grown.model_copy(update=self._shape(ag)))
 
