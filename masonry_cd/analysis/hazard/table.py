@@ -64,11 +64,11 @@ class HazardTable(Table):
     def _one_form(self) -> Self:
         given = [name for name in ("path", "return_period", "intensity") if getattr(self, name) is not None]
         if len(given) > 1:
-            raise ValueError(f"{given[1]}: does not apply beside {given[0]}")
+            raise ValueError(f"{given[1]}: does not apply next to {given[0]}")
         rows, form = self.rows, given[0] if given else ""
         known = {"return_period": PERIOD_ROWS, "intensity": CURVE_ROWS}.get(form, ())
         if stray := [name for name in rows if name not in known]:
-            raise ValueError(f"{stray[0]}: does not apply {f'beside {form}' if form else 'without return_period or intensity'}")
+            raise ValueError(f"{stray[0]}: does not apply {f'next to {form}' if form else 'without return_period or intensity'}")
         if (self.lon is None) != (self.lat is None) or (self.lon is not None and self.path is None):
             raise ValueError("lon: a site in a file has lon and lat; other rows are of one site")
         if "measure" in self.model_fields_set and form in ("return_period", ""):
