@@ -93,6 +93,8 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
     out.append(("mechanisms looked at", len(summary["mechanisms"]), ""))
     for one in (summary["check"] or {}).get("verdicts", []):
         out.append((f"{one['check']} check, {one['state']}: borne over asked for", number(one["ratio"], digits=3), ""))
+    if (risk := (summary["check"] or {}).get("risk")) and risk["risk_class"]:
+        out.append(("class of seismic risk", risk["risk_class"], ""))
     return out
 
 

@@ -244,7 +244,7 @@ def _rate(rate: Rate) -> list[str]:
         f"{rate.most:.2g}",
         f"{rate.least:.2g}",
         f"{low:.2g} to {high:.2g}",
-        f"{row['return_period_years']:.3g}",
+        f"{row['return_period_years']:,.0f}",
         f"{100.0 * row['probability_50_years']:.2g} %",
         f"{100.0 * row['probability_low']:.2g} to {100.0 * row['probability_high']:.2g} %",
     ]

@@ -82,7 +82,7 @@ def with_site(made: CodeCheck, table: CheckTable, hazard: Hazard, search: Search
     if not limited:
         return made
     risk = _risk(made, table, hazard, search)
-    return replace(made, steps=(*made.steps, *_risk_steps(risk)), risk=risk, left_open=(*made.left_open, GLOBAL))
+    return replace(made, steps=(*made.steps, *_risk_steps(risk)), risk=risk, notes=(*notes, GLOBAL))
 
 
 def _asked(hazard: Hazard, table: CheckTable) -> Iterator[Step]:
