@@ -6,6 +6,7 @@ matplotlib is imported here, inside the function, and drawn without a display.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.baseline import History
 from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
+from loads.signal.spectra.shape import ElasticSpectrum
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, in_a_line, parse_table
 from masonry_cd.foundation.figures import blank
@@ -24,6 +26,7 @@ BEFORE, AFTER = "#9aa3ab", "#0b5fa5"
 INK, FAINT = "#23272b", "#5f666d"
 POINTS = 20_000  # drawn of a curve at most
 DAMPING = 0.05
+LONGEST_DRAWN = 4.0  # period of a spectrum that has no end [s]
 DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
@@ -83,6 +86,26 @@ def file_picture(file: Path, picture: Path | None, dt: float = 1e-3, **keys: Any
     done += [f"{table.band[0]:g} to {table.band[1]:g} Hz"] if table.band else []
     record_picture(processed.before, processed.after, picture, f"{file.name}{column}: {', '.join(done)}", processed.begin)
     return processed
+
+
+def spectrum_picture(spectrum: ElasticSpectrum, dampings: Sequence[float], title: str) -> Any:
+    """A figure of accelerations and displacements over the period, a curve for each damping."""
+    figure = blank((10.0, 4.2), layout="constrained")
+    end = min(spectrum.longest, LONGEST_DRAWN)
+    periods, shades = np.linspace(0.0, end, 1201), np.linspace(0.75, 0.0, len(dampings) + 1)[1:]
+    for axes, values, label in zip(
+        figure.subplots(1, 2), (spectrum.at, spectrum.displacement), ("pseudo-acceleration [m/s²]", "displacement [m]"), strict=True
+    ):
+        for damping, shade in zip(dampings, shades, strict=True):
+            axes.plot(periods, values(periods, damping), color=AFTER, alpha=1.0 - shade, lw=1.6, label=f"damping {100.0 * damping:.3g} %")
+        axes.set_xlabel("period [s]")
+        axes.set_ylabel(label, color=INK)
+        axes.set_xlim(0.0, end)
+        axes.set_ylim(bottom=0.0)
+        _quiet(axes)
+    axes.legend(frameon=False)
+    figure.suptitle(title, color=INK, fontsize=12, x=0.01, ha="left")
+    return figure
 
 
 def _histories(axes: Any, before: History, after: History, name: str, label: str, begin: float) -> None:

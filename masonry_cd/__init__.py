@@ -32,6 +32,7 @@ NAMES = {
     "RunWarning": "masonry_cd.interface.returned:RunWarning",
     "Scene": "masonry_cd.interface.scenes:Scene",
     "Simulation": "masonry_cd.interface.simulation:Simulation",
+    "Spectrum": "masonry_cd.interface.site_spectrum:Spectrum",
     "Structure": "masonry_cd.interface.structure:Structure",
     "Study": "masonry_cd.interface.studies:Study",
     "assess": "masonry_cd.interface.assessing:assess",

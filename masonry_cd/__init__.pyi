@@ -25,6 +25,7 @@ from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene
 from masonry_cd.interface.scenes import scene as scene
 from masonry_cd.interface.simulation import Simulation as Simulation
+from masonry_cd.interface.site_spectrum import Spectrum as Spectrum
 from masonry_cd.interface.structure import Structure as Structure
 from masonry_cd.interface.studies import Study as Study
 from masonry_cd.interface.studies import open_study as open_study
@@ -49,6 +50,7 @@ __all__ = [
     "RunWarning",
     "Scene",
     "Simulation",
+    "Spectrum",
     "Structure",
     "Study",
     "assess",

@@ -56,7 +56,7 @@ class SpectrumMatch(SiteSpectrum):
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
     spectrum: SpectrumName
-    """Spectrum of EN 1998-1:2004, of NTC 2018, or a table of ordinates."""
+    """Spectrum of EN 1998-1:2004 or 1998-1-1:2024, NTC 2018, ASCE 7 or NZS 1170.5, or a table of ordinates."""
     vertical: bool = False
     """Match the vertical spectrum."""
     period: Span | None = None

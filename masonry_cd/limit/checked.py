@@ -9,7 +9,7 @@ nothing else fails.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -142,7 +142,8 @@ def checked(parts: Sequence[ElementAnalysis], table: CheckTable | None, ground: 
     if table is None or ground is None:
         made = [Checked(part, one, None, None) for part in parts for one in part.mechanisms]
     else:
-        made = list(_by_code(parts, table, ground, foundation_of(table, assembly)))
+        foot = foundation_of(table, assembly)
+        made = [row for part in parts for row in _unread_alike(list(_by_code(part, table, ground, foot)))]
     return in_order(made)
 
 
@@ -151,14 +152,21 @@ def in_order(rows: Sequence[Checked]) -> list[Checked]:
     return sorted(rows, key=lambda each: (each.one.stones, each.severity, each.part.element.name, way_words(each.part.direction)))
 
 
-def _by_code(parts: Sequence[ElementAnalysis], table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:
-    """All mechanisms of parts with their checks, on a ground; heights count from a z [m]."""
-    for part in parts:
-        for one in part.mechanisms:
-            level = level_of(table, one.height, foot)
-            check = check_at(table, level, one.oscillator, ground, part.doubt)
-            known = not table.by_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
-            yield Checked(part, one, level, check, "" if known else _no_displacement(one))
+def _by_code(part: ElementAnalysis, table: CheckTable, ground: Ground, foot: float) -> Iterator[Checked]:
+    """All mechanisms of a part with their checks, on a ground; heights count from a z [m]."""
+    for one in part.mechanisms:
+        level = level_of(table, one.height, foot)
+        check = check_at(table, level, one.oscillator, ground, part.doubt)
+        known = not table.by_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
+        yield Checked(part, one, level, check, "" if known else check.unread or _no_displacement(one))
+
+
+def _unread_alike(rows: list[Checked]) -> list[Checked]:
+    """The mechanisms of a part: where the spectrum ends before the period of the one that is followed, it does not answer the others."""
+    why = next((row.check.unread for row in rows if row.check is not None and row.check.unread), "")
+    if not why:
+        return rows
+    return [replace(row, check=row.check.without_displacements(why)) if row.check and row.one.mechanism is None else row for row in rows]
 
 
 def _no_displacement(one: Found) -> str:

@@ -44,7 +44,7 @@ class SiteKeys(BaseModel):
     model_config = strict
 
     spectrum: SpectrumName | None = None
-    """Spectrum of EN 1998-1:2004, of NTC 2018, or a table of ordinates."""
+    """Spectrum of EN 1998-1:2004 or 1998-1-1:2024, NTC 2018, ASCE 7 or NZS 1170.5, or a table of ordinates."""
     ag: Annotated[Positive, Unit("m/s2"), GROUND] | None = None
     """Peak ground acceleration on rock, EC8 and NTC; of a table its ordinate at T = 0, where it begins above."""
     ground: Literal["A", "B", "C", "D", "E"] = "A"

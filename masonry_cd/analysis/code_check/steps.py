@@ -102,8 +102,13 @@ class CodeCheck:
     notes: tuple[str, ...] = ()
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at
     level: Level | None = None  # at which the mechanism is held, where that is known
+    unread: str = ""  # why the spectrum does not answer the check by displacements
     borne: tuple[Borne, ...] = ()  # the acceleration of the ground that each check just meets, where it was looked for
     risk: Risk | None = None  # by the Italian guideline, where the hazard of the site is known
+
+    def without_displacements(self, why: str) -> CodeCheck:
+        """The check where the spectrum does not answer the one by displacements: that by accelerations alone does not decide against it."""
+        return replace(self, unread=why, verdicts=tuple(replace(one, unread=why) for one in self.verdicts))
 
     @property
     def worked(self) -> dict[str, list[str]]:
@@ -129,6 +134,7 @@ class CodeCheck:
         head = f"{self.edition}{state}; {self.ground}"
         said = [*(one.words for one in self.verdicts), *(one.words for one in self.borne), *self.notes]
         said += [] if self.risk is None else self.risk.lines
+        said += [f"no check by displacements: {self.unread}"] if self.unread else []
         said += [f"left open: {one}" for one in self.left_open]
         return [head, *of, *said]
 
@@ -141,17 +147,8 @@ def no_end(oscillator: Oscillator) -> str:
 
 
 def no_ordinate(symbol: str, period: float, longest: float) -> str:
-    """The line on why there is no check by displacements at a period [s] beyond the last one of the spectrum."""
-    return f"no check by displacements: {symbol} = {beyond(period, longest)}"
-
-
-def add_or_note(found: CheckResult | str, verdicts: list[CheckResult], notes: list[str]) -> None:
-    """Add a check to the others; or else the reason why there is none, and they are not decided where they alone are not satisfied."""
-    if isinstance(found, str):
-        notes.append(found)
-        verdicts[:] = [replace(one, unread=found) for one in verdicts]
-    else:
-        verdicts.append(found)
+    """The words on a period [s] beyond the last one of the spectrum, at which a check by displacements reads it."""
+    return f"{symbol} = {beyond(period, longest)}"
 
 
 def capacity_rows(factor: str, fraction: str, confidence: str, acceleration: str, displacement: str) -> dict[str, Quantity]:

@@ -26,6 +26,13 @@ CASES = {
     "older": {"code": "NTC2008", "spectrum": "EC8", "ag": 1.5, **BUILDING},
     "older, on the ground": {"code": "NTC2008", "spectrum": "NTC", **PARAMETERS},
     "Eurocode": {"code": "EC8", "spectrum": "EC8", "ag": 1.5, **HELD, "element_period": 0.06},
+    "of 2024": {"spectrum": "EC8-2024", "s_alpha": 4.0, "s_beta": 1.5, "ground": "C"},
+    "of 2024, rock, free to vibrate": {"spectrum": "EC8-2024", "s_alpha": 4.0, "s_beta": 1.5, "element_period": 0.03},
+    "ASCE": {"spectrum": "ASCE7", "s_ds": 6.0, "s_d1": 3.0, "t_l": 6.0, **BUILDING},
+    "New Zealand": {"spectrum": "NZS1170", "hazard_factor": 0.2, "ground": "D", "fault_distance": 5e3, "limit_state": "SLC"},
+    "New Zealand, free to vibrate": {"spectrum": "NZS1170", "hazard_factor": 0.2, "return_factor": 1.3, "element_period": 0.05},
+    "table": {"spectrum": "table", "table": {"period": [0, 0.1, 0.5, 4], "acceleration": [1.5, 3.5, 3.5, 0.3]}},
+    "table, height": {"spectrum": "table", "table": {"period": [0.1, 0.5, 4], "acceleration": [3.5, 3.5, 0.3]}, "ag": 1.5, **BUILDING},
     "Eurocode, on the ground": {"code": "EC8", "spectrum": "NTC", **PARAMETERS},
 }
 KNOWN = {"sqrt": math.sqrt, "max": max, "min": min, "pi": math.pi}

@@ -15,7 +15,6 @@ from masonry_cd.analysis.code_check.steps import (
     CodeCheck,
     Quantity,
     Working,
-    add_or_note,
     capacity_rows,
     linear,
     no_end,
@@ -55,7 +54,7 @@ TABLE = capacity_rows(*5 * (CLAUSE,)) | {
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism at SLD by accelerations, at SLV by accelerations over q and by displacements."""
-    made, notes = Working(ground.rows, TABLE), list[str]()
+    made, notes, unread = Working(ground.rows, TABLE), list[str](), ""
     starts = put_capacity(made, oscillator, table.confidence_factor)
     ground.put(made)
     asked, formula = _asked(table, ground, made)
@@ -64,10 +63,13 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     asked = made.put("a asked", asked / q, formula if table.limit_state == "SLD" else f"{formula} / q")
     verdicts = [linear(oscillator, asked, starts, CLAUSE, q)]
     if table.by_displacements and oscillator.falls:
-        add_or_note(_non_linear(table, oscillator, ground, made), verdicts, notes)
+        found = _non_linear(table, oscillator, ground, made)
+        verdicts += [found] if isinstance(found, CheckResult) else []
+        unread = found if isinstance(found, str) else ""
     elif table.by_displacements:
         notes.append(no_end(oscillator))
-    return CodeCheck("NTC2008", EDITION, table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
+    facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
+    return CodeCheck("NTC2008", EDITION, *facts).without_displacements(unread)
 
 
 def _asked(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str]:

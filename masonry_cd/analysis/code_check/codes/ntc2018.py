@@ -17,7 +17,6 @@ from masonry_cd.analysis.code_check.steps import (
     CodeCheck,
     Quantity,
     Working,
-    add_or_note,
     capacity_rows,
     linear,
     no_end,
@@ -65,7 +64,7 @@ TABLE = (
 
 def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """Check a mechanism."""
-    made, verdicts, notes = Working(ground.rows, TABLE), list[CheckResult](), list[str]()
+    made, verdicts, notes, unread = Working(ground.rows, TABLE), list[CheckResult](), list[str](), ""
     starts = put_capacity(made, oscillator, table.confidence_factor)
     ground.put(made)
     asked, formula = _asked_at_once(table, ground, made)
@@ -74,11 +73,13 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     if table.by_displacements and oscillator.falls:
         made.part = NON_LINEAR
         unmoved = made.put("a0* / a", starts / asked, f"a0* / {formula}")
-        add_or_note(_non_linear(table, oscillator, ground, made, unmoved), verdicts, notes)
+        found = _non_linear(table, oscillator, ground, made, unmoved)
+        verdicts += [found] if isinstance(found, CheckResult) else []
+        unread = found if isinstance(found, str) else ""
     elif table.by_displacements:
         notes.append(no_end(oscillator))
     facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
-    return CodeCheck("NTC2018", EDITION, *facts, left_open=left_open(table))
+    return CodeCheck("NTC2018", EDITION, *facts, left_open=left_open(table)).without_displacements(unread)
 
 
 def left_open(table: CheckTable) -> tuple[str, ...]:
