@@ -198,7 +198,7 @@ def test_collapse_is_checked_by_displacements_alone(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("state", ["SLV", "SLC"])
 def test_beyond_the_end_of_a_table_nothing_is_decided_by_any_mechanism(state: str, tmp_path: Path) -> None:
-    table = f"table = {{period = [0, 0.1, 0.5], acceleration = [{4.0 * BORNE}, {8.0 * BORNE}, {BORNE}]}}\n"
+    table = f"table = {{period = [0, 0.1, 0.5], acceleration = [{6.0 * BORNE}, {9.0 * BORNE}, {BORNE}]}}\n"
     check = f'[limit.check]\nspectrum = "table"\n{table}limit_state = "{state}"\n'
     case = limit_case(scene(tmp_path, pillar(), f"[limit]\npush = 'x'\nstarts = 4\n{check}"))
     assert case.verdict is not None
