@@ -62,8 +62,11 @@ def demand(hazard: Hazard, state: str, code: str) -> Row:
 
 
 def known_at(hazard: Hazard | None, table: CheckTable) -> Hazard | None:
-    """The hazard of a check: that of its scene, or where that is a life alone the one through the ag of the table; None of a record."""
-    if hazard is None or table.record is not None or table.ag is None or (hazard.known and not hazard.of_ag):
+    """The hazard of a check: that of its scene, or where that is a life alone the one through the ag of the table.
+
+    None of a record, and of spectra that are not made of ag.
+    """
+    if hazard is None or table.spectrum not in OF_SPECTRA or table.ag is None or (hazard.known and not hazard.of_ag):
         return None
     if hazard.known:
         return hazard

@@ -128,3 +128,9 @@ def test_a_hazard_of_another_measure_leaves_the_check_alone():
     site = Hazard("Sa(0.5)", PEAKS, 1.0 / PERIODS)
     asked = {"spectrum": "EC8", "ag": 1.5}
     assert completed(asked, site) == asked and known_at(site, parse_table(CheckTable, asked, "limit.check")) is None
+
+
+def test_the_hazard_of_ag_says_nothing_of_a_table_that_begins_above_zero():
+    keys = {"spectrum": "table", "table": {"period": [0.1, 4.0], "acceleration": [3.0, 0.3]}, "ag": 1.5}
+    assert known_at(hazard(), parse_table(CheckTable, keys, "limit.check")) is None
+    assert known_at(hazard(), parse_table(CheckTable, {"spectrum": "EC8", "ag": 1.5}, "limit.check")) is not None
