@@ -26,6 +26,8 @@ from masonry_cd.interface.scenes import Scene as Scene
 from masonry_cd.interface.scenes import scene as scene
 from masonry_cd.interface.simulation import Simulation as Simulation
 from masonry_cd.interface.site_spectrum import Spectrum as Spectrum
+from masonry_cd.interface.strengthening import Strengthening as Strengthening
+from masonry_cd.interface.strengthening import strengthen as strengthen
 from masonry_cd.interface.structure import Structure as Structure
 from masonry_cd.interface.studies import Study as Study
 from masonry_cd.interface.studies import open_study as open_study
@@ -51,6 +53,7 @@ __all__ = [
     "Scene",
     "Simulation",
     "Spectrum",
+    "Strengthening",
     "Structure",
     "Study",
     "assess",
@@ -68,6 +71,7 @@ __all__ = [
     "resume",
     "run",
     "scene",
+    "strengthen",
     "study",
     "to_compas_dem",
     "trust",

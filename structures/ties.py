@@ -48,8 +48,8 @@ SIDE = Usual(3e-4, 0.6, "from strips of 0.3 mm to beams of 0.6 m", LENGTHS)
 SPACING = Usual(0.1, 30.0, "ties and anchors are 0.3 to 10 m apart", LENGTHS)
 
 
-class TieRowTable(Table):
-    """One entry ``[[structure.ties]]``."""
+class LineTable(Table):
+    """The keys of ties that say where they lie, and on what they hold."""
 
     along: Literal["x", "y"]
     """the axis that it lies along"""
@@ -68,16 +68,29 @@ class TieRowTable(Table):
     """where in the block it ends: on the outer face, or halfway through"""
     plate: Length | None = None
     """side of its square anchor plates, which spread the pull over blocks"""
+    material: Literal["steel", "timber"] = "steel"
+    """which sets the modulus"""
+    modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] | None = Field(None, gt=0.0)
+    """Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"""
+    name: str | None = Field(None, max_length=80)
+    """for reports; by default tie1, tie2 ..."""
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if sum(value is not None for value in (self.at, self.number, self.spacing)) > 1:
+            raise ValueError("give one of at, number and spacing")
+        return self
+
+
+class TieRowTable(LineTable):
+    """One entry ``[[structure.ties]]``."""
+
     diameter: Annotated[Length, DIAMETER] | None = None
     """of its section"""
     area: Area | None = None
     """or the area of its section"""
     section: tuple[Annotated[Length, SIDE], Annotated[Length, SIDE]] | None = Field(None, strict=False)
     """or width and depth of its section"""
-    material: Literal["steel", "timber"] = "steel"
-    """which sets the modulus"""
-    modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] | None = Field(None, gt=0.0)
-    """Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"""
     yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
     """at which it yields, or its anchorage does; by default never"""
     tension: Annotated[float, Unit("N"), TENSION] = Field(0.0, ge=0.0)
@@ -86,15 +99,11 @@ class TieRowTable(Table):
     """share of the critical damping"""
     from_start: bool = False
     """there while elastic joints take up the weight; else it keeps its tension meanwhile"""
-    name: str | None = Field(None, max_length=80)
-    """for reports; by default tie1, tie2 ..."""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if sum(value is not None for value in (self.diameter, self.area, self.section)) != 1:
             raise ValueError("give exactly one of diameter, area and section")
-        if sum(value is not None for value in (self.at, self.number, self.spacing)) > 1:
-            raise ValueError("give one of at, number and spacing")
         check_tension(self.tension, self.yield_force)
         return self
 
@@ -223,7 +232,7 @@ def _row(solids: Solids, keys: TieRowTable, where: str, name: str) -> Iterator[B
     if len(names) == 2:  # the first of the two lies on the lower side
         middle = [np.mean([solids.blocks[b].vertices[:, axis].mean() for b in np.flatnonzero(side).tolist()]) for side in sides]
         sides = sides if middle[0] <= middle[1] else sides[::-1]
-    places = _places(solids, keys, axis, sides[0] | sides[1], where)
+    places = places_of(solids, keys, axis, sides[0] | sides[1], where)
     for k, place in enumerate(places):
         through = np.empty(3)
         through[axis], through[1 - axis], through[2] = 0.0, place, keys.height
@@ -251,7 +260,7 @@ def bar_between(solids: Solids, keys: TieRowTable, a: Anchor, b: Anchor, where: 
     return Bar(where, held, np.array([a.point, b.point]), shared | limit)
 
 
-def _places(solids: Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
+def places_of(solids: Solids, keys: LineTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
     """Where the ties of a table lie along the other axis [m]."""
     if keys.at is not None:
         return list(keys.at)

@@ -12,6 +12,7 @@
     [limit]      push = "x"           # optional, of masonry-cd limit
     [hazard]     return_period, ag ... # optional, of the site: limit analysis and studies read it
     [assess]     friction = [0.5, 0.7]  # optional, ranges for masonry-cd assess
+    [strengthen] factor = 0.2         # optional, of masonry-cd strengthen
     [[output.point]]  block, corner   # optional, what is kept in every step
     [[events]]   at, remove ...       # optional, what changes in the middle of a run; checked by app/events.py
     quiet_checks = ["limit.check.ag"] # optional: values that are meant as they are, however unusual
@@ -79,6 +80,8 @@ class SceneTables(Table):
     """How often the site shakes how strongly: checks of limit analysis and studies read it, a run does not."""
     assess: dict[str, Any] = Field(default_factory=dict)
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
+    strengthen: dict[str, Any] = Field(default_factory=dict)
+    """The target of masonry-cd strengthen, and the ties that may be built in; a run does not read it."""
     output: dict[str, Any] = Field(default_factory=dict)
     """Points, joints, cracks and supports that are kept in every step: [[output.point]] and so on."""
     events: list[dict[str, Any]] = Field(default_factory=list)
@@ -100,7 +103,7 @@ class SceneTables(Table):
             raise ValueError(f"a newer masonry_cd reads this; this one reads scenes up to format {FORMAT}")
         return value
 
-    @field_validator("structure", "material", "run", "report", "limit", "hazard", "assess", "output", mode="before")
+    @field_validator("structure", "material", "run", "report", "limit", "hazard", "assess", "strengthen", "output", mode="before")
     @classmethod
     def _is_table(cls, value: object) -> object:
         if not isinstance(value, Mapping):
@@ -171,6 +174,7 @@ class Scene:
     origin: Origin  # of its keys, for messages
     limit: dict[str, Any] = field(default_factory=dict)  # checked by loads
     hazard: HazardTable | None = None  # its keys
+    strengthen: dict[str, Any] = field(default_factory=dict)  # checked by app/strengthen_table.py
     assess: AssessTable = field(default_factory=AssessTable)
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
@@ -322,6 +326,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         path=path,
         origin=origin,
         limit=top.limit,
+        strengthen=top.strengthen,
         quiet_checks=tuple(top.quiet_checks),
         static=top.run is None,
         **read,

@@ -33,6 +33,7 @@ def scene_schema() -> Schema:
     """The schema of a scene file."""
     from loads import KINDS as LOADS
     from masonry_cd.app.events import EventTable
+    from masonry_cd.app.strengthen_table import StrengthenTable
     from structures import KINDS as STRUCTURES
 
     top = table_schema(SceneTables)
@@ -49,8 +50,9 @@ def scene_schema() -> Schema:
     keys["limit"] |= limit_schema()
     keys["hazard"] = table_schema(HazardTable) | {"description": keys["hazard"]["description"]}
     keys["assess"] |= table_schema(AssessTable)
+    keys["strengthen"] |= table_schema(StrengthenTable)
     keys["output"] |= table_schema(OutputTable)
-    for table in ("structure", "material", "run", "report", "limit", "assess", "output"):
+    for table in ("structure", "material", "run", "report", "limit", "assess", "strengthen", "output"):
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]

@@ -76,6 +76,10 @@ def _models(name: str, table: Mapping[str, Any], folder: Path | None = None) -> 
         from masonry_cd.app.limit_table import LimitTable
 
         return (LimitTable,)
+    if name == "strengthen":
+        from masonry_cd.app.strengthen_table import StrengthenTable
+
+        return (StrengthenTable,)
     one: dict[str, type[BaseModel]] = {
         "material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable, "links": LinkTable,
         "hazard": HazardTable,

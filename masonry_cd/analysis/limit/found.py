@@ -78,12 +78,14 @@ def grave(found: Sequence[Found]) -> list[int]:
 
 
 def gravest_followed(found: Sequence[Found], follow: Callable[[int, Found], Oscillator] | None) -> list[Found]:
-    """Mechanisms, the least acceleration first, of which the gravest alone keep their velocities.
+    """Mechanisms, the least acceleration first, of which the gravest and that of least factor alone keep their velocities.
 
-    These get the oscillator that ``follow`` gives of the k-th, with its displacements; None follows none.
+    The gravest get the oscillator that ``follow`` gives of the k-th, with its displacements; None follows none.
     """
     gravest = grave(found)
-    if follow is not None:
+    if follow is None:
+        gravest += [k for k, one in enumerate(found) if one.oscillator.alpha == min(each.oscillator.alpha for each in found)]
+    else:
         found = [replace(one, oscillator=follow(k, one)) if k in gravest else one for k, one in enumerate(found)]
     return [one if k in gravest else replace(one, mechanism=None) for k, one in enumerate(found)]
 

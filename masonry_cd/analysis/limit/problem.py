@@ -209,7 +209,7 @@ def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int |
     stacked = np.stack(rows, axis=1).reshape(-1, 2, 6)  # (P m, 2, 6)
     ends = np.repeat(points.bodies, len(normal), axis=0)
     jacobian = _assemble(stacked, ends, assembly, axis, length)
-    bars = _assemble(_bar_rows(assembly, loads.bars), loads.bars.blocks, assembly, axis, length)
+    bars = _assemble(bar_rows(assembly, loads.bars), loads.bars.blocks, assembly, axis, length)
     scale = np.where(_columns(axis) < 3, weight, weight * length)
     dead, live = ((part[free][:, _columns(axis)] / scale).ravel() for part in (loads.dead, loads.live))
     moves = loads.support_velocity is not None
@@ -217,7 +217,7 @@ def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int |
         velocity = np.asarray(loads.support_velocity)
         velocity = np.pad(velocity, ((0, 0), (0, 6 - velocity.shape[1])))
         jacobian = _with_column(jacobian, np.einsum("red,red->r", stacked, velocity[ends]))
-        bars = _with_column(bars, np.einsum("red,red->r", _bar_rows(assembly, loads.bars), velocity[loads.bars.blocks]))
+        bars = _with_column(bars, np.einsum("red,red->r", bar_rows(assembly, loads.bars), velocity[loads.bars.blocks]))
         dead, live = np.append(dead, 0.0), np.append(live, 1.0)
     return LimitProblem(
         points=points, axis=axis, free=free, weight=weight, length=length, jacobian=jacobian, bars=bars, dead=dead, live=live, mu=points.mu,
@@ -257,7 +257,7 @@ def _rows(assembly: Assembly, points: Interfaces, direction: np.ndarray) -> np.n
     return np.concatenate([moving, turning], axis=2) * np.array([-1.0, 1.0])[:, None]
 
 
-def _bar_rows(assembly: Assembly, bars: Bars) -> np.ndarray:
+def bar_rows(assembly: Assembly, bars: Bars) -> np.ndarray:
     """Rate at which each bar grows longer, by the velocities of its two blocks: (T, 2, 6)."""
     if not len(bars.strength):
         return np.zeros((0, 2, 6))

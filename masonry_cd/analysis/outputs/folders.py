@@ -48,6 +48,15 @@ FOLDERS: dict[str, dict[str, str]] = {
         "crossing.csv": "the factor of a vehicle over where it stands",
         "crossing.png": "that envelope",
     },
+    "strengthen": {
+        "strengthen.json": "target, ties, prices, and every part before and after",
+        "ties.csv": "the ties with their forces, bars and prices",
+        "parts.csv": "every part and push: its least mechanism before, with the least forces, and with bars",
+        "before.png": "the mechanism that starts earliest before",
+        "after.png": "the one with the ties",
+        "strengthened.toml": "the scene with its ties",
+        "strengthen.html": "the page with all of it",
+    },
     "modal": {
         "modal.json": "frequencies, masses and what was compared",
         "modal.csv": "every mode: frequency, participating masses",

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``masonry-cd strengthen``: the least ties that bring a scene to a load factor."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
+
+
+def strengthen(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    picture: Annotated[bool, typer.Option(help="Draw before.png and after.png.")] = True,
+    view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, left, top or isometric.")] = "auto",
+    shake: Annotated[bool, typer.Option("--shake", help="Run the scene with its own loads before and after, and compare.")] = False,
+    force: Force = False,
+    trust: Trust = False,
+    quiet: Quiet = False,
+) -> Result[Any]:
+    """Find the least ties that bring a scene to a load factor, or to a share of the motion that a code asks for.
+
+    The table [strengthen] has the target, factor or zeta_E, and the candidates: ties [[strengthen.ties]], or rules that make them.
+    Found are the yield forces of least cost under which no mechanism of the whole, nor of the macro-elements if asked for, starts below
+    the target. They are verified by the search for the least factor, and rounded up to bars that can be bought.
+    DIR gets strengthen.json, ties.csv, parts.csv, the least mechanism before.png and after.png, strengthen.html, a page with all of it,
+    and strengthened.toml, the scene with its ties, which masonry-cd run and limit take; with --shake the folder shaken with both runs and
+    their comparison.
+
+    \b
+    Examples:
+      masonry-cd strengthen church.toml -o out/ties --set strengthen.factor=0.2
+      masonry-cd strengthen church.toml -o out/few --set strengthen.fewest=true
+      masonry-cd strengthen church.toml -o out/shaken --shake
+    """
+    from masonry_cd.app.scene import read_scene
+    from masonry_cd.strengthening.command import Files
+    from masonry_cd.strengthening.command import strengthen as command
+
+    return command(read_scene(scene, set_ or ()), Files(output, force, picture, view, shake, quiet), said(not quiet))
