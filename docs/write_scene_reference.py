@@ -50,7 +50,7 @@ def _scene() -> str:
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
     parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"]), *_section("[hazard]", tables["hazard"]), *_section("[assess]", tables["assess"])]
-    parts += _section("[output]", tables["output"])
+    parts += [*_section("[strengthen]", tables["strengthen"]), *_section("[output]", tables["output"])]
     parts += _section("[[events]]", tables["events"]["items"])
     return "\n".join(parts)
 

@@ -149,7 +149,7 @@ class Reader:
 
     def shortened(self, words: list[str]) -> list[str]:
         """A command that takes no longer than it must."""
-        if words[0] == "run":
+        if words[0] in ("run", "strengthen"):
             return [*words, *(word for change in begun(self.folder / words[1]) for word in ("--set", change))]
         if words[0] == "assess":
             few = ["assess.members=3", 'assess.leave_out=["block size", "bond", "damping", "joint stiffness"]']

@@ -144,10 +144,10 @@ def building(
 
 
 def limit(folder: Path, group: Mapping[str, Any], tables: str) -> Callable[[], Any]:
-    """Limit analysis of boxes on a ground, by their names and corners, under tables of a scene."""
+    """Limit analysis, or another ``command``, of boxes on a ground, by their names and corners, under tables of a scene."""
     stones = [ground(8.0), *(box(*stone) for stone in group["boxes"])]
     path = limit_scenes.scene(folder, stones, tables)
-    return lambda: raised(masonry_cd("limit", path, "-o", folder / "out"))
+    return lambda: raised(masonry_cd(group.get("command", "limit"), path, "-o", folder / "out"))
 
 
 def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:

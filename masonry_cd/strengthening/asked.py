@@ -79,7 +79,7 @@ def asked_of(scene: Scene) -> Asked:
         raise InputError(scene.origin.of("structures"), "structures: masonry-cd strengthen takes one [structure]")
     with scene.locating():
         if not scene.strengthen:
-            raise InputError("strengthen", "missing: masonry-cd strengthen needs factor or zeta_E, and candidates")
+            raise InputError("strengthen", "missing; masonry-cd strengthen needs factor or zeta_E, and candidates")
         table = strengthen_table(scene.strengthen)
     notes, limit = list[str](), dict(scene.limit)
     structure = limit_structure(scene)
@@ -103,9 +103,9 @@ def asked_of(scene: Scene) -> Asked:
         if structure.asked.starts is None and check is None and not _is_planar(structure, candidates, pushes):
             scene = replace(scene, limit=limit | {"starts": STARTS})
             structure = structure.of(scene)
-    with_parts = table.macro_elements or bool(structure.asked.mechanism)
-    if not pushes and not with_parts:
-        raise InputError("strengthen", 'nothing to strengthen against: give pushes = ["x"], limit.push, or macro_elements = true')
+        with_parts = table.macro_elements or bool(structure.asked.mechanism)
+        if not pushes and not with_parts:
+            raise InputError("strengthen", 'nothing to strengthen against; give pushes = ["x"], limit.push, or macro_elements = true')
     return Asked(scene, structure, table, goal, pushes, with_parts, rows, lengths, candidates, (*notes, *more))
 
 

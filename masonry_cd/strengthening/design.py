@@ -80,6 +80,16 @@ def strengthened(scene: Scene, say: Say = silent) -> Strengthening:
         InputError: anything wrong with the scene, or a target that its candidates do not reach.
     """
     begin, asked = time.perf_counter(), asked_of(scene)
+    with scene.locating():
+        return _designed(asked, begin, say)
+
+
+def _designed(asked: Asked, begin: float, say: Say) -> Strengthening:
+    """The least ties, of a question that was asked at a time ``begin`` [s].
+
+    Raises:
+        InputError: a target that the candidates do not reach.
+    """
     count = len(asked.rows)
     before = _analysed(asked, np.zeros(count))
     cuts = [*_below(asked, before, np.zeros(count))]
