@@ -74,7 +74,7 @@ class StrengthenTable(Table):
     rules: tuple[Literal["floors", "roofs", "corners"], ...] = Field((), strict=False)
     """Or candidates that the geometry gives: under floors, under roofs and vaults at their springing, along walls from corner to corner."""
     spacing: Annotated[Length, SPACING] = 4.0
-    """Of the ties of rules."""
+    """Distance of the ties of rules."""
     plate: Length | None = None
     """Side of the square anchor plates of the ties of rules."""
     yield_stress: Annotated[float, Unit("Pa")] = Field(235e6, gt=0.0, le=5e9)
@@ -82,7 +82,7 @@ class StrengthenTable(Table):
     bars: tuple[BarTable, ...] = Field((), strict=False)
     """That can be bought, [[strengthen.bars]] each; by default plain round ones of 12, 16, 20, 24, 28, 32, 36, 40 and 50 mm."""
     prices: PricesTable = PricesTable()
-    """Of ties, [strengthen.prices]."""
+    """Prices of ties, [strengthen.prices]."""
     fewest: bool = False
     """As few ties as can be, and of these the least cost."""
 

@@ -56,7 +56,7 @@ class Asked:
             yield made, Wanted(self.table.macro_elements, whole=False)
 
     def parts(self, whole: Whole) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-        """What is looked at with associated sliding: its name with the push, the blocks that are free (B,), and the direction (3,)."""
+        """Each part that is looked at with associated sliding: its name with the push, the blocks that are free (B,), and the direction (3,)."""
         for push in self.pushes:
             yield f"{THE_WHOLE}, push {way_words(np.asarray(push))}", ~whole.assembly.fixed, np.asarray(push)
         for element, way in asked_for(self.structure, self.table.macro_elements) if self.with_parts else ():
@@ -70,7 +70,7 @@ class Asked:
 
 
 def asked_of(scene: Scene) -> Asked:
-    """What a scene asks for.
+    """The question that a scene asks.
 
     Raises:
         InputError: anything wrong with the scene.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of each mechanism: a load factor, or a share zeta_E of the motion of the ground of a check by accelerations."""
+"""The target of each mechanism: a load factor, or a share zeta_E of the motion of the ground of a check by accelerations."""
 
 from __future__ import annotations
 
