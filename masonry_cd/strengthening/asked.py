@@ -56,7 +56,7 @@ class Asked:
             yield made, Wanted(self.table.macro_elements, whole=False)
 
     def parts(self, whole: Whole) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-        """Each part that is looked at with associated sliding: its name with the push, the blocks that are free (B,), and the direction (3,)."""
+        """A part for associated sliding: its name with the push, the blocks that are free (B,), and the direction (3,)."""
         for push in self.pushes:
             yield f"{THE_WHOLE}, push {way_words(np.asarray(push))}", ~whole.assembly.fixed, np.asarray(push)
         for element, way in asked_for(self.structure, self.table.macro_elements) if self.with_parts else ():
