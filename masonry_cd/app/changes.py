@@ -204,15 +204,15 @@ def _with_laws(assembly: Assembly, material: Material) -> Assembly:
     if not _of_one_kind(before, laws):
         raise InputError(
             "material.joints",
-            "makes joints of another kind: those that are rigid, elastic or bonded, can crush or have more points, stay so; "
+            "makes joints of another kind: those that are rigid, elastic or bonded, can soften or crush or have more points, stay so; "
             "cut breaks bonds, and a stiffness of 1e12 N/m3 is as good as rigid",
         )
     return replace(assembly, friction=friction, laws=laws)
 
 
 def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
-    """True where the joints that are elastic, have bonds or can crush are the same, with as many points each."""
-    kinds = ((laws.elastic, laws.apex > 0.0, laws.crushing > 0.0, laws.points) for laws in (before, after))
+    """True where the joints that are elastic, have bonds, can soften or can crush are the same, with as many points each."""
+    kinds = ((laws.elastic, laws.apex > 0.0, laws.fracture > 0.0, laws.crushing > 0.0, laws.points) for laws in (before, after))
     return all(np.array_equal(one, other) for one, other in zip(*kinds, strict=True))
 
 
@@ -334,11 +334,7 @@ class Changes:
         self.made.append((number, stepper.load_step))
         enter(stepper, self.model.stage(stepper.system.loads))
         if bonds.any():
-            blocks = stepper.detector.blocks_of_contacts()
-            group, joints = stepper.assembly.group_of, stepper.motion.joints
-            bonded = joints.bonded.copy()
-            bonded[: len(blocks)] &= ~bonds[group[blocks[:, 0]], group[blocks[:, 1]]]
-            stepper.motion = stepper.motion._replace(joints=joints._replace(bonded=bonded))
+            stepper.cut_bonds(bonds)
 
     def copied(self) -> Changes:
         """A copy that goes its own way."""

@@ -110,6 +110,7 @@ KINDS = {
     "kg/m3": Kind("density", "1.9 t/m3"),
     "N": Kind("force", "400 kN"),
     "N m": Kind("moment", "5 kN m"),
+    "N/m": Kind("energy per area", "0.02 N/mm"),
     "N/m3": Kind("stiffness per area", "10 N/mm3"),
     "Pa": Kind("stress", "1.5 GPa"),
     "GB": Kind("size of memory", "4 GB"),

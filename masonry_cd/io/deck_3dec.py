@@ -25,13 +25,15 @@ def files(deck: Deck) -> dict[str, str]:
     """The text of each file, by its name.
 
     Raises:
-        InputError: joints without a stiffness of their own, those that crush, or blocks that are not convex.
+        InputError: joints without a stiffness of their own, those that crush or soften, or blocks that are not convex.
     """
     laws = deck.assembly.laws
     if any(not laws.normal_stiffness[i, j] > 0.0 for _, _, i, j in deck.pairs()):
         raise InputError("--format", "3DEC has springs in all joints; give material.joints a normal_stiffness for each pair of groups")
     if laws.crushing.any():
         raise InputError("--format", "the joint law of 3DEC does not crush, and some of this scene do (compressive_strength)")
+    if laws.fracture.any():
+        raise InputError("--format", "bonds of this deck break at once, and some of this scene soften (fracture_energy)")
     for block in deck.assembly.blocks:
         if len(block.convex_parts) > 1:
             raise InputError("--format", f'block "{block.name}" is not convex; blocks of 3DEC are')

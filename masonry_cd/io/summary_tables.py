@@ -95,6 +95,7 @@ class Energy(SummaryTable):
     friction: Annotated[Joules, "dissipated by friction"] = 0.0
     impact: Annotated[Joules, "lost in impacts"] = 0.0
     damping: Annotated[Joules, "lost to damping"] = 0.0
+    bond: Annotated[Joules, "taken by bonds that soften"] = 0.0
     crushing: Annotated[Joules, "dissipated where joints crush"] = 0.0
     base_work: Annotated[Joules, "work of the supports"] = 0.0
     gravity_work: Annotated[Joules, "work of gravity and of what pulls at all blocks alike"] = 0.0

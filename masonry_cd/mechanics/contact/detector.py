@@ -66,7 +66,7 @@ class Detector:
         rings = assembly.laws.points.astype(np.int64) // 2
         self._rings_of_law = np.where(assembly.laws.elastic & (not corners_only), rings, 1)  # (G, G)
         self._normal_stiffness, self._stiffness_of = assembly.laws.normal_stiffness, stiffness
-        self._crushes = assembly.laws.elastic & (assembly.laws.crushing > 0.0) & (not corners_only)
+        self._crushes = assembly.laws.elastic & ((assembly.laws.crushing > 0.0) | (assembly.laws.fracture > 0.0)) & (not corners_only)
         self._weight = np.where(assembly.fixed, np.inf, GRAVITY * assembly.mass)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._apart = Apart.of(assembly)

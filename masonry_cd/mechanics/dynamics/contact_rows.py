@@ -18,6 +18,7 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
+from masonry_cd.mechanics.dynamics.bonds import Bonds
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.joint_history import with_springs
@@ -32,8 +33,13 @@ from masonry_cd.mechanics.linalg.threads import in_shares
 from masonry_cd.mechanics.model.deformation import STRAINS
 
 
-def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
-    """The friction problem of contacts found between pairs of parts (P, 2), and impulses and velocities of the last step to start from."""
+def assemble(
+    system: System, last: Motion, predicted: Prediction, found: ContactSet, pairs: np.ndarray, bonds: Bonds | None = None
+) -> StepProblem:
+    """The friction problem of contacts found between pairs of parts (P, 2), and impulses and velocities of the last step to start from.
+
+    ``bonds``: those that soften; None: no joint has such a bond.
+    """
     warps, now = None if system.strains is None else system.strains.warps, predicted.state
     own, touch = on_this_side(found.point, found.area, system.constants), None
     if warps is not None:
@@ -56,7 +62,7 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     approach = NO_APPROACH
     if system.bounces:
         rigid, approach = thrown_back(system, last, predicted, found, rows, rigid)
-    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0), approach=approach, links=links)
+    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0), approach=approach, bonds=bonds, links=links)
     return made if system.laws is None else with_springs(system, system.laws, last, made, pairs)
 
 

@@ -3,15 +3,16 @@
 
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
-    kinetic + elastic + friction + impact + damping + crushing  =
+    kinetic + elastic + friction + impact + damping + bond + crushing  =
         work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties + changes  (+ balance)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
 the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
-joint passes to another face, whose springs begin without force; crushing is what joints take that are shortened for good. changes is what
-is put in with blocks and joints that become others (stage.py), and below zero what is taken out.
-correction is the work of lifting blocks out of overlaps, outside the balance.
+joint passes to another face, whose springs begin without force; bond is what bonds that soften took (softening.py), crushing what joints
+take that are shortened for good. changes is what is put in with blocks and joints that become others (stage.py), and below zero what is
+taken out.
+correction is the work of lifting blocks out of overlaps, next to the balance.
 """
 
 from __future__ import annotations
@@ -80,8 +81,9 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
     """Book what the springs did; ``elastic`` is their energy before the step [J]."""
     work = new.springs
     totals["friction"] += work.friction
+    totals["bond"] += work.bond
     totals["crushing"] += work.crushing
-    totals["damping"] += work.taken - work.friction - work.crushing - (work.after - elastic)
+    totals["damping"] += work.taken - work.friction - work.bond - work.crushing - (work.after - elastic)
 
 
 class Weights(NamedTuple):

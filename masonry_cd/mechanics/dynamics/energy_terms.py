@@ -14,6 +14,7 @@ LOSSES = {
     "friction": "lost in friction",
     "impact": "lost in impacts",
     "damping": "lost in damping",
+    "bond": "taken by bonds that soften",
     "crushing": "lost in crushing",
 }
 """Where it went."""

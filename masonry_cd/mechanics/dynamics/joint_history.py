@@ -10,9 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.mechanics.dynamics.crushing import book_crushing
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
+from masonry_cd.mechanics.dynamics.softening import bounded, soften
 from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.system import Motion, System
 from masonry_cd.mechanics.friction.problem import FrictionProblem
@@ -26,13 +28,20 @@ def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: Step
     """Give contacts of elastic and bonded joints their law in a problem of rigid contacts, found between pairs of parts (P, 2)."""
     loads, rows = rigid.predicted.loads, rigid.rows
     springs = Springs.none(rigid.problem, _stiffness(system, rows, pairs))
-    bonding = max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
+    bonding = bonding_gap(system, last)
     load_springs(
         laws, rigid.found, rows, system.constants, rigid.predicted.rotation,
         Velocities(last.v, loads.support_before), loads.support_after, last.joints, bonding, springs,
     )  # fmt: skip
+    if rigid.bonds is not None:
+        springs = bounded(rigid.bonds, springs, rows.active, system.constants.step)
     problem = replace(rigid.problem, compliance=springs.compliance, offset=springs.offset)
     return rigid._replace(springs=springs, problem=problem)
+
+
+def bonding_gap(system: System, last: Motion) -> float:
+    """Gap up to which new contacts are bonded in a step [m], negative after the first."""
+    return max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
 
 
 def _stiffness(system: System, rows: ContactRows, pairs: np.ndarray) -> np.ndarray:
@@ -44,8 +53,10 @@ def _stiffness(system: System, rows: ContactRows, pairs: np.ndarray) -> np.ndarr
     return np.where(own[:, :1] > 0.0, own, system.masonry.of_contacts(pairs[rows.pair], rows.blocks))
 
 
-def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray) -> tuple[JointMemory, SpringWork]:
-    """Slips and bonds after a step, and what the springs did in it.
+def carried_over(
+    system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray
+) -> tuple[JointMemory, BondMemory, SpringWork]:
+    """Slips and bonds after a step, those that soften, and what the springs did in it.
 
     Args:
         system: of the run.
@@ -55,14 +66,20 @@ def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray,
         impulse: (C, m) of it [N s].
     """
     if system.laws is None or made.springs is None:
-        return last.joints, SpringWork()
+        return last.joints, last.bonds, SpringWork()
     memory, loads = JointMemory.empty(len(made.found.gap)), made.predicted.loads
     still = max(CREEP, system.settings.tolerance) * made.predicted.pull * system.constants.step
-    work = unload_springs(
-        system.laws, made.found, made.rows, system.constants, made.springs, made.predicted.rotation,
+    springs, bonds = made.springs, last.bonds
+    if made.bonds is not None:
+        brittle = ~made.bonds.held_rows(made.rows.active)
+        springs = springs._replace(elastic=springs.elastic & brittle, bonded=springs.bonded & brittle)
+    work = SpringWork(*unload_springs(
+        system.laws, made.found, made.rows, system.constants, springs, made.predicted.rotation,
         Velocities(v, loads.support_after), impulse, still, memory,
-    )  # fmt: skip
-    return memory, book_crushing(system, made, v, impulse, SpringWork(*work.tolist()))
+    ).tolist())  # fmt: skip
+    if made.bonds is not None:
+        bonds, work = soften(system, made, v, impulse, memory, work)
+    return memory, bonds, book_crushing(system, made, v, impulse, work)
 
 
 def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:
@@ -72,11 +89,19 @@ def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:
     return replace(problem, v_free=problem.body_velocity(-pull), offset=problem.offset - problem.compliance * pull)
 
 
-def bonded_shares(made: StepProblem, memory: JointMemory, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
-    """Share of the area of each joint that is bonded after a step, (J,); ``pair_joint`` names the joint of each pair or -1."""
-    whole = np.zeros(joints.count)
+def bonded_shares(made: StepProblem, motion: Motion, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+    """Share of the area of each joint that is bonded after a step, (J,), less what softening has taken of its energy.
+
+    ``pair_joint`` names the joint of each pair or -1.
+    """
+    whole, rows = np.zeros(joints.count), made.rows
     if made.springs is not None:
-        bonded_area(made.rows.active, made.found.pair, pair_joint, made.springs.area, memory.bonded, whole)
+        area = made.springs.area
+        if made.bonds is not None:
+            which, row = made.bonds.rows(rows.active)
+            area = area.copy()
+            area[row] *= (1.0 - motion.bonds.spent[rows.active[row]]) / (1.0 - made.bonds.share[which])
+        bonded_area(rows.active, made.found.pair, pair_joint, area, motion.joints.bonded, whole)
     return np.minimum(1.0, whole / joints.area)
 
 

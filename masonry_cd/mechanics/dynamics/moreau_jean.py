@@ -32,6 +32,7 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.contact.faults import ContactFault
 from masonry_cd.mechanics.dynamics import joint_forces
+from masonry_cd.mechanics.dynamics.bonds import check_bonds
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
 from masonry_cd.mechanics.dynamics.crushing import solve_crushing
 from masonry_cd.mechanics.dynamics.driving import Driven, guided, measured
@@ -40,13 +41,14 @@ from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.jams import Closing
-from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, largest_by_joint
+from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, bonding_gap, largest_by_joint
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
 from masonry_cd.mechanics.dynamics.own_friction import FrictionLaw, with_friction
 from masonry_cd.mechanics.dynamics.planar import Plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
+from masonry_cd.mechanics.dynamics.softening import solve_softening, split
 from masonry_cd.mechanics.dynamics.solving import Watch, solve
 from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
@@ -165,17 +167,17 @@ class Stepper:
         system, last = self.system, self.motion
         predicted = self._predicted(last, system.loads.of_step(self.load_step, ticks))
         found = detect(system, self.detector, predicted, last.steps + 1)
-        made = self._assembled(predicted, found, self.detector.pairs)
-        made, solved = solve_crushing(system, made, lambda made: solve(system, made, self.islands, last.steps + 1, self.watch))
+        made, solved = self._solved(predicted, found)
         impulse = solved.solution.impulse
         new = update(system, last, made, impulse)
         if new.springs.crushed is not None:
-            self.detector.crush(new.springs.crushed)
+            self.detector.crush(new.springs.crushed if made.bonds is None else made.bonds.of_detector(new.springs.crushed))
         energy = account(system, last, made, impulse, new)
-        violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, last.false_slip)
+        slipped = last.false_slip if made.bonds is None else made.bonds.false_slip
+        violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, slipped)
         self.motion = Motion(
             new.state, new.angular_momentum, new.v, new.impulse, solved.carried_impulse, false_slip, new.joints, predicted.tensions,
-            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span, made.approach,
+            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span, made.approach, new.bonds,
         )  # fmt: skip
         self.last, self.solution = made, solved.solution
         self.load_step += ticks
@@ -186,7 +188,7 @@ class Stepper:
         if ticks != self.motion.span:
             self.system = self.system.with_step(ticks * self.settings.dt)
             share = ticks / self.motion.span
-            self.motion = self.motion._replace(impulse=share * self.motion.impulse, span=ticks)
+            self.motion = self.motion._replace(impulse=share * self.motion.impulse, span=ticks, bonds=self.motion.bonds.with_step(share))
 
     def begin_of_step(self) -> StepStart:
         """Keep the state that a step changes, so that it can be undone by :meth:`undo`; what the solver learns in it stays."""
@@ -212,9 +214,22 @@ class Stepper:
 
         return link(self.system, self.system.linkage, last, free)
 
-    def _assembled(self, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
-        """The problem of the contacts found between pairs of parts (P, 2)."""
-        made = assemble(self.system, self.motion, predicted, found, pairs)
+    def _solved(self, predicted: Prediction, found: ContactSet) -> tuple[StepProblem, Solved]:
+        """The problem of the contacts found, and its solution."""
+        system, number = self.system, self.motion.steps + 1
+
+        def attempt(damage: np.ndarray | None) -> tuple[StepProblem, Solved]:
+            made = self._assembled(predicted, found, self.detector.pairs, damage)
+            return solve_crushing(system, made, lambda made: solve(system, made, self.islands, number, self.watch))
+
+        return solve_softening(system, attempt) if system.softens else attempt(None)
+
+    def _assembled(self, predicted: Prediction, found: ContactSet, pairs: np.ndarray, damage: np.ndarray | None = None) -> StepProblem:
+        """The problem of the contacts found between pairs of parts (P, 2); ``damage``: least of each contact (N,), None: as it comes."""
+        last, bonds = self.motion, None
+        if self.system.softens:
+            last, found, bonds = split(self.system, last, found, bonding_gap(self.system, last), damage)
+        made = assemble(self.system, last, predicted, found, pairs, bonds)
         return made if self.friction is None else with_friction(self.system, self.motion, made, self.friction)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, violation: Violation, begin: float) -> StepReport:
@@ -282,6 +297,17 @@ class Stepper:
         )  # fmt: skip
         self.load_step = 0
 
+    def cut_bonds(self, pairs: np.ndarray) -> None:
+        """Break the bonds of all joints between pairs of groups, (G, G) bool."""
+        group, m = self.assembly.group_of[self.detector.blocks_of_contacts()], self.motion
+        gone = pairs[group[:, 0], group[:, 1]]
+        if not len(gone):
+            return
+        if self.system.softens:
+            gone = gone[np.cumsum(~m.bonds.twin) - 1]
+            m = m._replace(bonds=m.bonds.cut(gone))
+        self.motion = m._replace(joints=m.joints._replace(bonded=m.joints.bonded & ~gone))
+
     def lock_ties(self) -> None:
         """Have the ties that are jacked pull with their first tension where the blocks now are."""
         forces, m = self.system.loads.forces, self.motion
@@ -299,7 +325,7 @@ class Stepper:
         energy = at_start(self.system, m.state, m.angular_momentum)
         self.motion = m._replace(
             impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=tensions, yielded=m.yielded,
-            energy=energy,
+            energy=energy, bonds=m.bonds.with_step(0.0),
         )  # fmt: skip
         self.detector, self.last = other.detector, other.last
         self.solution = Solution(share * other.solution.impulse, None, 0)
@@ -323,7 +349,7 @@ class Stepper:
         if self.last is None:
             group = self.assembly.group_of
             return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
-        return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
+        return bonded_shares(self.last, self.motion, pair_joint, joints)
 
     def joint_histories(self, pair_joint: np.ndarray, joints: Joints) -> dict[str, np.ndarray]:
         """Return the records of the laws that some joint has, (J,) each by its name; ``pair_joint`` names the joint of each pair or -1."""
@@ -342,7 +368,8 @@ class Stepper:
             InputError: an array that no run of this scene leaves.
         """
         contacts = int((stored.part("detector").whole("place", None, low=-1) >= 0).sum())
-        check_motion(stored, self.system, self.motion, contacts)
+        copies = check_bonds(stored.part("bonds"), contacts) if self.system.softens else contacts
+        check_motion(stored, self.system, self.motion, copies)
         self.detector.check(stored.part("detector"), contacts)
         self.islands.check(stored.part("islands"), self.system.unknowns_of_a_body)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays
+from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.mechanics.dynamics.joint_history import carried_over
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
@@ -35,6 +36,7 @@ class Update(NamedTuple):
     v: np.ndarray  # (F, n)
     impulse: np.ndarray  # (N, m) of all contacts found, one row at least [N s]
     joints: JointMemory
+    bonds: BondMemory
     kinetic: float  # energy of the free blocks [J]
     deepest: Overlap  # at q_m
     lifted: np.ndarray  # (B, 3) shifts that took overlaps away [m]; (0, 3): there were none
@@ -77,9 +79,9 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray)
         raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
     if system.strains is not None:
         state.strain = system.strains.after(state.strain, v)
-    joints, springs = carried_over(system, last, made, v, impulse)
+    joints, bonds, springs = carried_over(system, last, made, v, impulse)
     strains = StrainWork() if system.strains is None else system.strains.work(last.state.strain, state.strain, last.v, v)
-    return Update(state, momentum, v, every, joints, kinetic + strains.kinetic, deepest, lifted, springs, strains)
+    return Update(state, momentum, v, every, joints, bonds, kinetic + strains.kinetic, deepest, lifted, springs, strains)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:

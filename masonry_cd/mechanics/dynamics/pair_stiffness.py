@@ -13,6 +13,7 @@ import numpy as np
 
 from masonry_cd.foundation import libm
 from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
+from masonry_cd.mechanics.dynamics.cohesive_curve import opening_at_end
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
@@ -76,6 +77,7 @@ def most_stretched(laws: JointLaws, masonry: PairStiffness | None) -> float:
     """How far an intact joint can be drawn apart at the most [m]."""
     elastic = laws.normal_stiffness > 0.0
     own = float((laws.apex[elastic] / laws.normal_stiffness[elastic]).max(initial=0.0))
+    own = max(own, float(opening_at_end(laws).max(initial=0.0)))
     return own if masonry is None else max(own, float(laws.apex.max()) / float(masonry.stiffness[:, 0].min(initial=np.inf)))
 
 

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
+from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, EnergyBalance, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, NO_BONDS, EnergyBalance, Motion, System
 from masonry_cd.mechanics.model.state import State
 
 
@@ -39,6 +40,8 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
         out["carried_impulse"] = m.carried_impulse
     if len(m.approach):
         out["approach"] = m.approach
+    if m.bonds is not NO_BONDS:
+        out |= prefixed("bonds", m.bonds._asdict())
     return out | prefixed("joints", m.joints._asdict())
 
 
@@ -82,6 +85,7 @@ def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.
     steps, load_step, ticks, span = map(int, arrays["steps"])
     changed, begun, *energies = arrays["energy"].tolist()
     strain = arrays.get("strain", np.zeros((0, 6)))
+    bonds = part("bonds", arrays)
     motion = Motion(
         state=State(ticks * tick, arrays["position"], arrays["orientation"], arrays["velocity"], strain),
         angular_momentum=arrays["angular_momentum"],
@@ -97,5 +101,6 @@ def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.
         ticks=ticks,
         span=span,
         approach=arrays.get("approach", NO_APPROACH),
+        bonds=BondMemory(**bonds) if bonds else NO_BONDS,
     )
     return motion, load_step

@@ -15,6 +15,7 @@ from masonry_cd.mechanics.dynamics.system import NO_APPROACH
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 
 if TYPE_CHECKING:
+    from masonry_cd.mechanics.dynamics.bonds import Bonds
     from masonry_cd.mechanics.dynamics.linked_bodies import LinkedContacts
 
 
@@ -29,6 +30,7 @@ class StepProblem(NamedTuple):
     start: Solution  # impulses and velocities of the last step, to start from
     crushes: np.ndarray | None = None  # (C,) bool: contacts whose joint crushes in this step; None: no joint can
     approach: np.ndarray = NO_APPROACH  # (N,) see Motion
+    bonds: Bonds | None = None  # that soften; None: no joint has such a bond
     links: LinkedContacts | None = None  # the contacts as linked bodies feel them; None: nothing is linked
 
     @property
@@ -76,5 +78,6 @@ class SpringWork(NamedTuple):
     friction: float = 0.0  # of that used up by friction
     after: float = 0.0  # energy of all springs after the step
     before: float = 0.0  # and before it
+    bond: float = 0.0  # of what was taken used up by bonds that soften
     crushing: float = 0.0  # of what was taken used up in crushing
     crushed: np.ndarray | None = None  # (N,) by how much joints are shorter for good, at all contacts found [m]; None: none can be

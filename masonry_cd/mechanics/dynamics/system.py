@@ -13,6 +13,7 @@ from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
+from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
 from masonry_cd.mechanics.dynamics.linkage import Linkage
 from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched
@@ -29,6 +30,7 @@ from masonry_cd.mechanics.solvers import threads_that_pay
 WITH_ROTATION = 6  # columns of the velocities of supports of which one turns
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
 NO_APPROACH = np.zeros(0)
+NO_BONDS = BondMemory.none()
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
 
 
@@ -96,6 +98,7 @@ class System:
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
     linkage: Linkage | None  # the links; None: there are none
     bounces: bool  # whether contacts have a restitution
+    softens: bool  # whether some joints have a bond that softens
     absent: np.ndarray | None = None  # (B,) bool: blocks that are not there; None: all are
 
     @classmethod
@@ -135,6 +138,7 @@ class System:
             rows=3 if plane is None else 2,
             linkage=Linkage.of(assembly),
             bounces=bool(assembly.restitution.any()),
+            softens=bool(assembly.laws.fracture.any()),
             absent=assembly.absent,
         )
 
@@ -241,3 +245,4 @@ class Motion(NamedTuple):
     ticks: int  # of the loads' sampling, that they took together
     span: int  # ticks of the last one
     approach: np.ndarray = NO_APPROACH  # (N,) at which contacts of the last step will be hit, see restitution.py [m/s]; (0,): none
+    bonds: BondMemory = NO_BONDS  # that soften

@@ -14,15 +14,15 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.by_group import by_pair
-from masonry_cd.mechanics.model.joint_laws import bonded, crushing, elastic
+from masonry_cd.mechanics.model.joint_laws import bonded, crushing, elastic, softening
 from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 
 KEY = "material.joints"
-LAWS: tuple[Law, ...] = (elastic.LAW, bonded.LAW, crushing.LAW)
+LAWS: tuple[Law, ...] = (elastic.LAW, bonded.LAW, softening.LAW, crushing.LAW)
 
 
-class JointLaw(crushing.CrushingKeys, bonded.BondKeys):
+class JointLaw(crushing.CrushingKeys, softening.SofteningKeys):
     """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
 
 

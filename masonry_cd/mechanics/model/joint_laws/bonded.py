@@ -38,14 +38,20 @@ def _tables(law: BondKeys, mu: float, pair: str) -> dict[str, float]:
     """``apex``: tension at the tip of the cone [Pa], where the line of Mohr-Coulomb, mu p + c, comes to zero."""
     if mu == 0.0 and law.cohesion > 0.0:
         raise InputError("material.joints", f"the joint {pair} has cohesion but no friction; give it a coefficient of friction above 0")
-    apex = law.cohesion / mu if mu > 0.0 else law.tension or 0.0
+    apex, tension = strengths(law, mu)
     if (law.tension or 0.0) > apex:
         raise InputError(
             "material.joints",
             f"the tension {law.tension:g} Pa of the joint {pair} is above its cohesion over its friction, "
             f"{law.cohesion:g} Pa / {mu:g} = {apex:g} Pa, where the line of Mohr-Coulomb ends",
         )
-    return {"apex": apex, "tension": apex if law.tension is None else law.tension}
+    return {"apex": apex, "tension": tension}
+
+
+def strengths(law: BondKeys, mu: float) -> tuple[float, float]:
+    """Tension at the tip of the cone, and tensile strength [Pa]."""
+    apex = law.cohesion / mu if mu > 0.0 else law.tension or 0.0
+    return apex, apex if law.tension is None else law.tension
 
 
 def _words(law: BondKeys) -> str:
@@ -54,7 +60,8 @@ def _words(law: BondKeys) -> str:
     tension = "a tensile strength of cohesion over friction"
     if law.tension is not None:
         tension = f"a tensile strength of {law.tension / 1e3:.3g} kPa"
-    return f"mortar with a cohesion of {law.cohesion / 1e3:.3g} kPa and {tension}; where it breaks, friction alone is left, at once"
+    bond = f"mortar with a cohesion of {law.cohesion / 1e3:.3g} kPa and {tension}"
+    return bond if getattr(law, "fracture_energy", None) else f"{bond}; where it breaks, friction alone is left, at once"
 
 
 HISTORY = JointHistory("bonded", "", "share of the area that is bonded")

@@ -21,6 +21,9 @@ class JointLaws:
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
     retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
     at_first_period: np.ndarray  # share of critical of dashpots whose retardation follows from the first elastic period; 0 elsewhere
+    fracture: np.ndarray  # G_I of a bond that softens [N/m]; 0: it breaks at once
+    shear_fracture: np.ndarray  # its G_II [N/m]
+    exponential: np.ndarray  # 1: its stress falls exponentially; 0: linearly
     crushing: np.ndarray  # compressive strength [Pa]; 0: never crushes
     points: np.ndarray  # over the depth, of elastic joints that open; odd
     moduli: tuple[float, float] | None = None  # E and G of the masonry, whose joints are as stiff as joint_stiffness.py has it [Pa]
@@ -48,4 +51,4 @@ class JointLaws:
 
     def unbonded(self) -> JointLaws:
         """The laws of joints whose bonds are broken."""
-        return replace(self, apex=0.0 * self.apex, tension=0.0 * self.tension)
+        return replace(self, **{name: 0.0 * getattr(self, name) for name in ("apex", "tension", "fracture", "shear_fracture")})
