@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from masonry_cd.foundation.quantities import pressure
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
@@ -68,6 +69,8 @@ class LimitStructure:
 def limit_structure(scene: Scene) -> LimitStructure:
     """The structure of a scene; joints have no stiffness of the masonry's moduli, since limit analysis is of rigid blocks.
 
+    Those of bridges crush at the strength of their kind of masonry, unless the scene says that they do not: under wheels it decides.
+
     Raises:
         InputError: with file and line of the scene where a key is at fault.
     """
@@ -76,6 +79,11 @@ def limit_structure(scene: Scene) -> LimitStructure:
 
     scene.refuse_tables("limit analysis", "links", "events")
     made, material = make_structures(scene), scene.material
+    masonry = material.masonry
+    if made.fills and masonry is not None and "crushing" not in masonry.model_fields_set:
+        material = material.model_copy(update={"masonry": masonry.model_copy(update={"crushing": True})})
+        crushes = f"joints without a strength of their own crush at {pressure(masonry.strength)}, of {masonry.kind}"
+        made = made._replace(notes=[*made.notes, f"material.masonry: {crushes}, as those of bridges do; crushing = false: they do not"])
     with scene.locating():
         refuse_spheres(made.blocks, "structure", "limit analysis")
         asked = limit_of(scene)

@@ -96,6 +96,10 @@ class Layout:
         """Half the width between the walls [m]."""
         return 0.5 * self.keys.width - (0.0 if self.keys.walls is None else self.keys.walls.thickness)
 
+    def backing_level(self, support: Support) -> float:
+        """Up to where there is backing over a support [m]."""
+        return support.springing + (self.keys.backing.height if self.keys.backing else 0.0)
+
 
 def layout_of(keys: BridgeTable) -> Layout:
     """Put the spans on their supports.
@@ -111,6 +115,7 @@ def layout_of(keys: BridgeTable) -> Layout:
         made = laid_out(keys)
         _check_seats(made, faults)
         _check_deck(made, faults)
+        _check_backing(made, faults)
     elif keys.deck is not None:
         _check_below(keys, keys.deck, [(i, profile_of(keys.spans[i], 0.0)) for i in sound], faults)
     _check_walls(keys, faults)
@@ -233,6 +238,16 @@ def _check_deck(made: Layout, faults: Faults) -> None:
     if len(faults.found) == before and made.deck <= highest:
         key = "cover" if made.keys.deck is None else "deck"
         faults.add(f"structure.{key}", f"the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
+
+
+def _check_backing(made: Layout, faults: Faults) -> None:
+    """Backing that ends below where a span springs, or above a crown."""
+    for support in made.supports if made.keys.backing is not None else ():
+        least = max(float(end[1]) for end in support.seats) - support.springing
+        most = min(arch.crown for arch in (support.before, support.after) if arch is not None) - support.springing
+        if not least + LEAST_COVER <= made.backing_level(support) - support.springing <= most - LEAST_COVER:
+            between = f"{least + LEAST_COVER:.4g} m, above its skewbacks, and {most - LEAST_COVER:.4g} m, below the crowns"
+            faults.add("structure.backing.height", f"must be between {between}, over {support.name}")
 
 
 def _check_below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]], faults: Faults) -> None:

@@ -29,7 +29,7 @@ def drawn_out(layout: Layout, polygon: np.ndarray, near: float, far: float) -> t
     return vertices, faces
 
 
-def face_of(layout: Layout, block: str, line: np.ndarray, near: float, far: float) -> np.ndarray:
+def face_of(layout: Layout, line: np.ndarray, near: float, far: float) -> np.ndarray:
     """Corners (4, 3) of the face over a line (2, 2) of the x-z plane from left to right, counter-clockwise seen from above [m]."""
     (x0, z0), (x1, z1) = line
     corners = np.array([[x0, near, z0], [x1, near, z1], [x1, far, z1], [x0, far, z0]])
@@ -50,9 +50,22 @@ def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]
                     name = f"{group}.v{k + 1}" + (f".{s}" if layout.keys.strips > 1 else "")
                     blocks.append(Block(name, *drawn_out(layout, polygon, near, far), density, group))
                     low, high = max(near, -layout.clear), min(far, layout.clear)
-                    if r == rings - 1 and high - low > SAME:
-                        faces.append(FillFace(name, "extrados", face_of(layout, name, outer[k : k + 2], low, high)))
+                    line = _bare(layout, number - 1, outer[k : k + 2])
+                    if r == rings - 1 and high - low > SAME and len(line):
+                        faces.append(FillFace(name, "extrados", face_of(layout, line, low, high)))
     return blocks, faces
+
+
+def _bare(layout: Layout, span: int, line: np.ndarray) -> np.ndarray:
+    """What of a line (2, 2) of the extrados of a span lies above the backing next to it, (2, 2) or none (0, 2) [m]."""
+    if layout.keys.backing is None:
+        return line
+    level = layout.backing_level(layout.supports[span + int(line[:, 0].mean() > layout.profiles[span].axis)])
+    height = line[:, 1] - level
+    if height.max() <= SAME:
+        return np.zeros((0, 2))
+    cut = line[0] + (line[1] - line[0]) * np.clip(height[0] / (height[0] - height[1]), 0.0, 1.0) if height.min() < -SAME else line[0]
+    return np.array([cut if height[0] < -SAME else line[0], cut if height[1] < -SAME else line[1]])
 
 
 def _cuts(layout: Layout, row: int) -> list[float]:
@@ -75,11 +88,12 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
             parts = [drawn_out(layout, polygon, -half, half) for polygon in polygons]
             block = compound_block(name, parts, density, "base" if support.keys.rigid else support.name)
             blocks.append(replace(block, fixed=support.keys.rigid))
-        for part in (np.array(pair) for pair in pairwise(top) if pair[1][0] - pair[0][0] > SAME):
+        open_ = pairwise(top) if layout.keys.backing is None else ()
+        for part in (np.array(pair) for pair in open_ if pair[1][0] - pair[0][0] > SAME):
             name = next(name for name, own in zip(names, pieces, strict=True) if max(p[:, 1].max() for p in own) > part[:, 1].max() - SAME)
-            faces.append(FillFace(name, "top", face_of(layout, name, part, -layout.clear, layout.clear)))
+            faces.append(FillFace(name, "top", face_of(layout, part, -layout.clear, layout.clear)))
         if not support.keys.rigid:
-            faces += _backs(layout, support, [block for block in blocks if block.name.startswith(f"{support.name}.")])
+            faces += backs(layout, support, [block for block in blocks if block.name.startswith(f"{support.name}.")])
     return blocks + _feet(layout, density), faces
 
 
@@ -100,7 +114,7 @@ def _head(support: Support, top: list[tuple[float, float]], low: float) -> list[
                 break
             stones.append(clip(left, z - left[:, 1], SAME))
             left = clip(left, left[:, 1] - z, SAME)
-    return [_parts(_without_middles(stone)) for stone in (*stones, left)]
+    return [convex_parts(stone) for stone in (*stones, left)]
 
 
 def steep(line: np.ndarray) -> bool:
@@ -125,8 +139,9 @@ def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
     return [point for i, point in enumerate(line) if i == 0 or abs(point[0] - line[i - 1][0]) + abs(point[1] - line[i - 1][1]) > SAME]
 
 
-def _parts(whole: np.ndarray) -> list[np.ndarray]:
+def convex_parts(outline: np.ndarray) -> list[np.ndarray]:
     """Convex polygons (n, 2) that fill one, counter-clockwise."""
+    whole = _without_middles(outline)
     if _convex(whole):
         return [whole]
     from shapely.geometry import Polygon
@@ -151,8 +166,8 @@ def _convex(polygon: np.ndarray) -> bool:
     return bool((_turns(polygon) > 0.0).all())
 
 
-def _backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]:
-    """The back of an abutment of blocks, against which there is fill."""
+def backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]:
+    """The backs of blocks of an abutment, against which there is fill; none of a pier."""
     if support.before is not None and support.after is not None:
         return []
     outside, found = support.left if support.before is None else support.right, list[FillFace]()

@@ -78,6 +78,15 @@ class WallTable(Table):
     """by default that of the walls"""
 
 
+class BackingTable(Table):
+    """Masonry over the piers and abutments, between the haunches, up to a level: a rigid block over each, of the group backing."""
+
+    height: Length
+    """above the lower springing of each pier and abutment, below the crowns next to it"""
+    density: Density | None = None
+    """that of the material when not given; its strength is that of its joints, material.joints"""
+
+
 class FillTable(Table):
     """The table ``[structure.fill]``."""
 
@@ -122,5 +131,7 @@ class BridgeTable(Table):
     """or the level of the road"""
     walls: WallTable | None = None
     """spandrel walls, wing walls and parapets; without them a strip that may move in its plane"""
+    backing: BackingTable | None = None
+    """over piers and abutments; without it the fill reaches down to them"""
     fill: FillTable = FillTable.model_validate({})
     """between the arches and the road"""

@@ -10,7 +10,7 @@ The fill is no blocks (:mod:`masonry_cd.mechanics.model.fill`). Its weight rides
 analysis, and moves with them in an earthquake.
 
 Groups: ``arch1`` ... (of several rings ``arch1_ring1`` ... from the intrados outwards), ``pier1`` ..., ``abutment1``, ``spandrel_front``,
-``wing1_front`` ..., ``parapet_front`` and those at the ``back``, and ``base``.
+``wing1_front`` ..., ``parapet_front`` and those at the ``back``, ``backing`` and ``base``.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from masonry_cd.mechanics.model.blocks import Block, Carried
 from masonry_cd.mechanics.model.fill import COVERED, Fill, FillFace
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import Made, size
+from structures.bridge.backing import backings
 from structures.bridge.layout import Layout, layout_of
 from structures.bridge.masonry import arches, supports
 from structures.bridge.profile import voussoirs_of
@@ -50,7 +51,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     layout = layout_of(keys)
     size.within(_estimate(layout), "spans" if keys.walls is None else "walls.unit_length")
     blocks, faces = list[Block](), list[FillFace]()
-    for made, touched in (arches(layout, density), supports(layout, density), walls(layout, density)):
+    for made, touched in (part(layout, density) for part in (arches, supports, backings, walls)):
         blocks += made
         faces += touched
     fill = _fill(layout, faces)

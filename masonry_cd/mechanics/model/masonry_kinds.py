@@ -130,7 +130,8 @@ class Masonry(Table):
     """Give joints the shear strength f_v0 of the table as their cohesion, where they have none of their own. [material.joints] then says
     what tension they have, which the table does not."""
     crushing: Flag = False
-    """Give joints the compressive strength f of the table, where they have none of their own."""
+    """Give joints the compressive strength f of the table, where they have none of their own; in limit analyses of bridges true when not
+    given."""
     E: Modulus | None = None
     """Young's modulus of the masonry instead of the table's; G follows in proportion where it is not given."""
     G: Modulus | None = None

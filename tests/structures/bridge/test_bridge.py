@@ -7,14 +7,19 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from made_run import shifted, write_run
 
 import structures
+from masonry_cd.app.limit_structure import limit_structure
+from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.limit.case import limit_case
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.fill import CoveredFaces
@@ -276,6 +281,7 @@ def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
             {},
             ["spans[0].voussoirs: too many for the joint at the apex, got 400", "spans[1].start: span 2 begins at x = 5 m"],
         ),
+        ([SPAN], {"backing": {"height": 2.1}}, ["structure.backing.height: must be between 0.32 m"] * 2),
         ([SPAN], {"width": 0.7, "walls": WALLS}, ["structure.walls.thickness: two of 0.4 m leave no road"]),
     ],
 )  # fmt: skip
@@ -343,3 +349,51 @@ def test_spans_piers_walls_and_parapets_are_its_parts_by_name() -> None:
     assert set(parts) == {"span arch1", "span arch2", "pier1", *sides, "parapet_front", "parapet_back"}
     rings = {bridge.blocks[b].group for b in parts["span arch1"].blocks}
     assert rings == {"arch1_ring1", "arch1_ring2"}
+
+
+BACKED = {"span": 5.0, "rise": 2.5, "thickness": 0.5, "voussoirs": 101}
+
+
+@pytest.mark.parametrize("skew", [0.0, 30.0])
+def test_backing_fills_the_haunches_up_to_its_level_and_bears_the_fill_above(skew: float) -> None:
+    """Next to half a circle of radius r the area up to h is that of a rectangle less half the segment between its middle and h."""
+    bridge = made(BACKED, width=2.0, skew=skew, cover=0.4, backing={"height": 1.2, "density": 1500.0})
+    area = 1.2 * (1.5 + 2.5) - 0.5 * (1.2 * math.sqrt(3.0**2 - 1.2**2) + 3.0**2 * math.asin(1.2 / 3.0))
+    for block in of(bridge, "backing"):
+        assert volume([block]) == pytest.approx(2.0 * area, rel=1e-3) and block.density == 1500.0
+    (fill,) = bridge.fills
+    plan = sum(face.area[2] for face in fill.faces if face.kind in ("extrados", "top"))
+    assert plan == pytest.approx(2.0 * (fill.deck[1] - fill.deck[0]), rel=1e-9)  # fill lies on all of it once
+    assert min(face.corners[:, 2].min() for face in fill.faces if face.kind in ("extrados", "top")) == pytest.approx(1.2)
+    assert {face.block for face in fill.faces if face.kind == "back"} == {"backing.abutment1", "backing.abutment2"}
+    weight = sum(block.carried.mass for block in bridge.blocks if block.carried)
+    inside = 0.5 * math.pi * 3.0**2 + 2.0 * area
+    assert weight == pytest.approx(2000.0 * 2.0 * (3.4 * (fill.deck[1] - fill.deck[0]) - inside), rel=1e-3)
+
+
+def test_backing_is_pushed_off_its_abutment_at_the_friction_of_what_it_weighs_and_bears() -> None:
+    """Below a coefficient of one the arch that leans on it helps it no more to stay than to go."""
+    keys = {"kind": "bridge", "spans": [{**BACKED, "voussoirs": 21}], "width": 2.0, "backing": {"height": 1.2}}
+    scene = {
+        "structure": {**keys, "fill": {"passive": 0.0, "pressure": "none"}},
+        "material": {"density": 2000.0, "friction": 0.5},
+        "loads": [{"kind": "point", "block": "backing.abutment1", "force": [-1e3, 0.0, 0.0], "point": [-1.0, 0.0, 0.0]}],
+        "limit": {"live": [0]},
+    }
+    case = limit_case(parse_scene(dump_toml(scene), Path("bridge.toml")))
+    block = next(block for block in case.structure.made.blocks if block.name == "backing.abutment1")
+    assert block.carried is not None and case.whole is not None
+    bears = 0.5 * 9.81 * (2000.0 * volume([block]) + block.carried.mass)
+    assert case.whole.analysis.governing.factor == pytest.approx(bears / 1e3, rel=1e-6)
+
+
+def test_joints_of_a_bridge_crush_at_the_strength_of_its_kind_of_masonry() -> None:
+    def strength(**keys: Any) -> float:
+        scene = {
+            "structure": {"kind": "bridge", "spans": [SPAN]}, "material": {"masonry": {"kind": "solid brick", **keys}, "friction": 0.6},
+            "limit": {"push": "x"},
+        }  # fmt: skip
+        return float(limit_structure(parse_scene(dump_toml(scene), Path("bridge.toml"))).assembly.laws.crushing.max())
+
+    assert strength() == pytest.approx(3.45e6)
+    assert strength(crushing=False) == 0.0
