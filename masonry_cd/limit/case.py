@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.check import with_borne
+from masonry_cd.analysis.code_check.check import borne_by_another, with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.site import known_at
@@ -28,7 +28,7 @@ from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Assumed, assumed
-from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words
+from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words, weakest_of
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
@@ -104,14 +104,24 @@ class LimitCase:
 
     @cached_property
     def check(self) -> CodeCheck | None:
-        """The check of the mechanism that decides, value by value, with the acceleration of the ground that it just bears."""
-        decides, asked = self.decides, self.structure.asked.check
-        if decides is None or decides.check is None or decides.level is None or asked is None or self.ground is None:
+        """The check of the mechanism that decides, value by value, with the least acceleration that a mechanism just bears."""
+        decides, weakest = self.decides, weakest_of(self.mechanisms)
+        if decides is None or decides.check is None or weakest is None:
             return None
         made, tied = decides.check, self.whole is not None and len(self.whole.loads.bars.strength) > 0
-        if tied and (len(made.verdicts) > 1 or decides.level.counted):
+        if tied and decides.level is not None and (len(made.verdicts) > 1 or decides.level.counted):
             made = replace(made, notes=(*made.notes, TIES_ASK))
-        return with_borne(made, asked, decides.level, decides.one.oscillator, self.ground)
+        if weakest is decides:
+            return self._with_borne(decides, made)
+        assert weakest.check is not None
+        note = f"what is just borne is that of {weakest.label}, which meets the least share of its demand"
+        return borne_by_another(made, self._with_borne(weakest, weakest.check), note)
+
+    def _with_borne(self, each: Checked, made: CodeCheck) -> CodeCheck:
+        """The check of a mechanism with the acceleration of the ground that it just bears."""
+        asked = self.structure.asked.check
+        assert asked is not None and each.level is not None and self.ground is not None
+        return with_borne(made, asked, each.level, each.one.oscillator, self.ground)
 
 
 def limit_case(

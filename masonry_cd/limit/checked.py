@@ -108,6 +108,11 @@ class Checked:
         return (len(WORST_FIRST), self.acceleration) if self.decides is None else how_grave(self.decides)
 
     @property
+    def label(self) -> str:
+        """The part, its push and the mechanism."""
+        return f"{self.part.element.name}, push {way_words(self.part.direction)}: {self.one.name}"
+
+    @property
     def words(self) -> str:
         """The mechanism as a line."""
         row, made = self.row, self.one.oscillator
@@ -191,6 +196,16 @@ def gravest(rows: Sequence[Checked]) -> Checked | None:
     """
     made = [each for each in rows if each.decides is not None]
     return min(made, key=lambda each: (each.severity[0], each.one.stones, each.severity[1]), default=None)
+
+
+def weakest_of(rows: Sequence[Checked]) -> Checked | None:
+    """The mechanism that meets the least share of its demand, whatever its state; stones that slide only where there is nothing else.
+
+    None without a check. Its acceleration just borne, its return period and its class of risk are those of the structure: the mechanism
+    that decides may bear more, where its check is not decided and others are satisfied.
+    """
+    made = [each for each in rows if each.decides is not None]
+    return min(made, key=lambda each: (each.one.stones, each.severity[1]), default=None)
 
 
 def looked_at(each: Checked, rows: Sequence[Checked]) -> list[Checked]:

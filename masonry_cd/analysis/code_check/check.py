@@ -10,7 +10,7 @@ from functools import partial
 from masonry_cd.analysis.code_check.borne import Borne, just_borne
 from masonry_cd.analysis.code_check.ground import CodeGround, Ground
 from masonry_cd.analysis.code_check.level import Level
-from masonry_cd.analysis.code_check.site import BORNE, period_steps, with_site
+from masonry_cd.analysis.code_check.site import BORNE, HAZARD, RISK, period_steps, with_site
 from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Step
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH
@@ -49,6 +49,14 @@ def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Osc
         return _just_borne(_checked(there, oscillator, motion), there, oscillator, motion)
 
     return with_site(made, table, hazard, search)
+
+
+def borne_by_another(made: CodeCheck, other: CodeCheck, note: str) -> CodeCheck:
+    """A check with what another mechanism just bears, its return period and class of risk, and a ``note`` that says so."""
+    asked = tuple(step for step in other.steps if step.part == HAZARD)
+    added = tuple(step for step in other.steps if step.part in (BORNE, RISK))
+    notes, left_open = (tuple(dict.fromkeys(both)) for both in ((*made.notes, *other.notes, note), (*made.left_open, *other.left_open)))
+    return replace(made, borne=other.borne, risk=other.risk, steps=(*asked, *made.steps, *added), notes=notes, left_open=left_open)
 
 
 def _just_borne(made: CodeCheck, table: CheckTable, oscillator: Oscillator, ground: Ground) -> list[Borne]:

@@ -103,6 +103,11 @@ FOLDERS: dict[str, dict[str, str]] = {
         "table.json": "what was measured, and what is computed",
         "curves.svg": "the curves of both",
     },
+    "risk": {
+        "risk.html": "hazard, capacity, return period, class and frequencies on one page, each number with its formula",
+        "risk.json": "those numbers",
+        "hazard.png": "the hazard of the site, with what is asked for and what is borne",
+    },
     "compare": {
         "comparison.csv": "the runs side by side, all digits",
         "comparison.md": "that table to read",
