@@ -49,6 +49,7 @@ NAMES = {
     "open_study": "masonry_cd.interface.studies:open_study",
     "plugins": "masonry_cd.foundation.plugins:plugins",
     "resume": "masonry_cd.interface.running:resume",
+    "risk_sheet": "masonry_cd.interface.risk:risk_sheet",
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
     "strengthen": "masonry_cd.interface.strengthening:strengthen",

@@ -20,6 +20,7 @@ from masonry_cd.interface.own_motions import Motion as Motion
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
 from masonry_cd.interface.returned import RunWarning as RunWarning
+from masonry_cd.interface.risk import risk_sheet as risk_sheet
 from masonry_cd.interface.running import resume as resume
 from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene
@@ -69,6 +70,7 @@ __all__ = [
     "open_study",
     "plugins",
     "resume",
+    "risk_sheet",
     "run",
     "scene",
     "strengthen",

@@ -12,7 +12,9 @@ from masonry_cd.app.result import Result
 
 
 def risk(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a limit analysis with [hazard] and [limit.check].")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of a limit analysis with [hazard] and [limit.check].", show_default=False)
+    ],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT", help="Write risk.html, risk.json and hazard.png there.", show_default=False),
@@ -22,12 +24,12 @@ def risk(
         typer.Option("--after", metavar="DIR", help="Folder of the analysis of the strengthened structure.", show_default=False),
     ] = None,
     study: Annotated[
-        Path | None, typer.Option("--study", metavar="DIR", help="Folder of a study whose scene has the same [hazard].", show_default=False)
+        Path | None, typer.Option("--study", metavar="DIR", help="Folder of a study over the same [hazard].", show_default=False)
     ] = None,
 ) -> Result[Any]:
     """Put the seismic risk of a structure on one page, as it is and as it is strengthened.
 
-    Reads what limit and study have written and computes nothing itself: the acceleration that is borne and its return period, the risk class
+    Reads what limit and study have written and computes nothing itself: the acceleration borne and its return period, the risk class
     of the Italian guideline, the annual frequency of each limit state, each with its formula.
 
     \b
