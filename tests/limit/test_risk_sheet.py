@@ -77,9 +77,10 @@ def test_a_sheet_is_of_one_site_and_of_analyses_with_a_hazard(folders: tuple[Pat
 def test_what_is_just_borne_is_that_of_the_mechanism_that_bears_least(tmp_path: Path) -> None:
     """A stocky pillar on a plinth is not decided, as no building is given; the slender one on the ground is satisfied, and bears less."""
     plinth = box("plinth", (4.0, -0.5, 0.0), (6.0, 0.5, 2.0), fixed=True)
-    blocks = [ground(8.0), plinth, box("low", (0.0, -0.2, 0.0), (0.8, 0.2, 4.0)), box("high", (4.5, -0.2, 2.0), (5.5, 0.2, 4.0))]
+    slab = box("ground", (-2.0, -1.0, -0.2), (8.0, 1.0, 0.0), fixed=True)
+    blocks = [slab, plinth, box("low", (0.0, -0.2, 0.0), (0.8, 0.2, 4.0)), box("high", (4.5, -0.2, 2.0), (5.5, 0.2, 4.0))]
     parts = '[[limit.mechanism]]\nblocks = ["low"]\ndirection = "x"\n[[limit.mechanism]]\nblocks = ["high"]\ndirection = "x"\n'
-    found = limit_case(scene(tmp_path, blocks, HAZARD + CHECK + "foundation = 0.0\n" + parts))
+    found = limit_case(scene(tmp_path, blocks, HAZARD + CHECK + parts))
     assert found.decides is not None
     assert found.check is not None
     assert found.check.risk is not None
