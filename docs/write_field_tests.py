@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import product
 from pathlib import Path
 
-from masonry_cd.studies.laboratory.field_tests import MISSING, PRESTWOOD, TESTS, WITHIN, FieldTest, collapse
+from masonry_cd.studies.laboratory.field_tests import MISSING, PRESTWOOD, TESTS, WITHIN, FieldTest, band, collapse
 
 PAGE = Path(__file__).parent / "field_tests.md"
 SPREADS = ("2:1", "boussinesq")
@@ -106,11 +106,25 @@ def of_test(test: FieldTest) -> list[str]:
     return lines
 
 
+def of_band(test: FieldTest) -> list[str]:
+    """The loads at collapse of a test with nothing stated of fill and strength, and where the measured one lies among them."""
+    found = band(test)
+    assert found.range is not None and found.decides is not None and found.decides.factor is not None
+    low, high = found.range
+    where = "below" if test.measured < low else "above" if test.measured > high else "within"
+    return [
+        "", "What `masonry-cd limit` says of the scene, which states neither how its fill resists nor how strong it is:", "",
+        "| assumed | load [kN] |", "|---|---|", *(f"| {row.words} | {cell(row.factor or 0.0, test)} |" for row in found.rows), "",
+        f"The measured load lies **{where}** this band, {low:.0f} to {high:.0f} kN; the verdict takes {found.decides.factor:.0f} kN.",
+    ]  # fmt: skip
+
+
 def page() -> str:
     """The text of the page."""
     return (
         HEAD + "\n".join(tests()) + "\n" + FOUND.format(missing=", ".join(MISSING))
-        + COMPUTED.format(name=PRESTWOOD.name, measured=PRESTWOOD.measured) + "\n".join(of_test(PRESTWOOD)) + "\n" + TAIL
+        + COMPUTED.format(name=PRESTWOOD.name, measured=PRESTWOOD.measured)
+        + "\n".join([*of_test(PRESTWOOD), *of_band(PRESTWOOD)]) + "\n" + TAIL
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.limit.assumed import Assumed
 from masonry_cd.limit.case import limit_case
 
 WITHIN = 0.2  # share of the measured load that counts as near
@@ -85,6 +86,11 @@ def scene_of(test: FieldTest) -> dict[str, Any]:
         "loads": [{"kind": "vehicle", "axles": [KILONEWTON], "across": "line", "contact": [LINE, LINE], "position": 0.25 * test.span}],
         "limit": {"live": [0], "starts": 1},
     }  # fmt: skip
+
+
+def band(test: FieldTest) -> Assumed:
+    """The loads at collapse of a test [kN] by what a scene does not state: its fill as by default, its strength not known."""
+    return limit_case(parse_scene(dump_toml(scene_of(test)), Path("scene.toml"))).assumed
 
 
 def collapse(test: FieldTest, *changes: str, folder: Path | None = None) -> tuple[float, int]:
