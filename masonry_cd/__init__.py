@@ -52,6 +52,7 @@ NAMES = {
     "risk_sheet": "masonry_cd.interface.risk:risk_sheet",
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
+    "select_records": "masonry_cd.interface.selecting:select_records",
     "strengthen": "masonry_cd.interface.strengthening:strengthen",
     "study": "masonry_cd.interface.studies:study",
     "to_compas_dem": "masonry_cd.interface.compas_dem:to_compas_dem",

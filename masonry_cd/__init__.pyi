@@ -25,6 +25,7 @@ from masonry_cd.interface.running import resume as resume
 from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene
 from masonry_cd.interface.scenes import scene as scene
+from masonry_cd.interface.selecting import select_records as select_records
 from masonry_cd.interface.simulation import Simulation as Simulation
 from masonry_cd.interface.site_spectrum import Spectrum as Spectrum
 from masonry_cd.interface.strengthening import Strengthening as Strengthening
@@ -73,6 +74,7 @@ __all__ = [
     "risk_sheet",
     "run",
     "scene",
+    "select_records",
     "strengthen",
     "study",
     "to_compas_dem",

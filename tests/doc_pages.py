@@ -76,7 +76,7 @@ def typed(text: str) -> Iterator[str]:
 
 @dataclass
 class Reader:
-    """Types a page's commands and saves its files, in a folder with the examples and two records. Runs are only begun."""
+    """Types a page's commands and saves its files, in a folder with the examples, two records and a suite of them. Runs are only begun."""
 
     folder: Path
 
@@ -86,6 +86,7 @@ class Reader:
         shaking = np.round(0.2 * np.sin(2 * np.pi * 2.0 * time) * np.sin(np.pi * time / 4.0), 6)
         for name in RECORDS:
             (self.folder / name).write_text(records.at2(shaking, count="400"))
+        records.write_suite(self.folder / "suite")
 
     def follow(self, page: Path) -> list[str]:
         """Do all that a page says; return the commands of the program that were typed."""
@@ -108,6 +109,8 @@ class Reader:
         if fence.title:
             path = self.folder / fence.title
             path.write_text(fence.text)
+            if "records" in tomllib.loads(fence.text):  # a selection or a study, which its command reads
+                return
             scene = read_scene(path, begun(path))
             if not any(load["kind"] == "vehicle" and not {"position", "speed"} & {*load} for load in scene.loads):  # which limit places
                 prepare(scene)

@@ -22,6 +22,8 @@ from command_line import masonry_cd, refusal
 from hostile import TETRA
 from models import box, ground
 from places import ROOT
+from records import write_suite
+from studied import changed as changed_lines
 from studied import write_records, write_study
 from two_blocks import shaking, two_blocks
 from typer.testing import Result
@@ -157,6 +159,15 @@ def study(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> C
     return lambda: plan_of(path)
 
 
+def selection(folder: Path, group: Mapping[str, Any], lines: Mapping[str, str]) -> Callable[[], Any]:
+    """A selection from five motions: some of its lines, by what they begin with, are others."""
+    write_suite(folder / "suite", 5)
+    (folder / "twice.csv").write_text("motion,magnitude\nm00,5.5\nm00,x\n")
+    (folder / "words.csv").write_text("motion,magnitude\nm00,5.5\nm01,six\n")
+    (folder / "select.toml").write_text(changed_lines(group["base"], dict(lines)))
+    return lambda: raised(masonry_cd("select", folder / "select.toml", "-o", folder / "out"))
+
+
 def command(
     folder: Path, group: Mapping[str, Any], words: str | list[str] = "", changed_keys: Mapping[str, Any] | None = None
 ) -> Callable[[], Any]:
@@ -211,6 +222,7 @@ DOORS: dict[str, Door] = {
     "building": building,
     "limit": limit,
     "study": study,
+    "selection": selection,
     "command": command,
     "blocks": blocks,
     "modal": modal_check,

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Record files of each format, as text: 40 samples of one wave."""
+"""Record files of each format, as text: 40 samples of one wave; and a folder of motions to choose from."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 
@@ -64,3 +66,22 @@ def wrapped(values: np.ndarray, width: int, between: str = "  ") -> str:
 
 def side_by_side(*columns: np.ndarray, between: str = "  ") -> str:
     return "".join(between.join(f"{v:.6f}" for v in row) + "\n" for row in zip(*columns, strict=True))
+
+
+def suite_motion(k: int, step: float = 0.01, duration: float = 4.0) -> np.ndarray:
+    """Noise under an envelope, unlike that of other numbers, its spectrum highest at another period [m/s2]."""
+    random, times = np.random.default_rng(k), step * np.arange(round(duration / step))
+    rates = 0.7 * 20.0 ** random.random(30)  # [Hz]
+    sines = [min(1.0, f / 2.0) * random.uniform(0.5, 1.5) * np.sin(2.0 * np.pi * f * times + random.uniform(0.0, 6.3)) for f in rates]
+    return np.round(0.35 * np.sum(sines, axis=0) * np.sin(np.pi * times / duration) ** 2, 6)
+
+
+def write_suite(folder: Path, count: int = 12) -> None:
+    """Motions m00_NS.acc, m00_EW.acc, m01_NS.acc ... of one column, and a catalogue of them, records.csv."""
+    folder.mkdir(parents=True)
+    rows = ["motion,event,magnitude,distance_km"]
+    for k in range(count):
+        for i, component in enumerate(("NS", "EW")):
+            (folder / f"m{k:02d}_{component}.acc").write_text("".join(f"{a:.6f}\n" for a in suite_motion(2 * k + i)))
+        rows.append(f"m{k:02d},event{k // 2},{5.5 + 0.1 * k:.1f},{5 + 3 * k}")
+    (folder / "records.csv").write_text("\n".join(rows) + "\n")

@@ -15,11 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from typing import Annotated
 
 import numpy as np
+from pydantic import AfterValidator
 
 from loads.signal.baseline import History
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, suggest
 
 ANGLES = np.radians(np.arange(180.0))
 AXES = ("x", "y", "z")
@@ -30,6 +32,15 @@ ROTATED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "rotd100": lambda values: values.max(axis=-1),
 }
 RULES = (*AXES, *PAIRS, *ROTATED)
+
+
+def _known(value: str) -> str:
+    if value not in RULES:
+        raise ValueError(f'unknown "{value}"{suggest(value, RULES)}; one of {", ".join(RULES)}')
+    return value
+
+
+Rule = Annotated[str, AfterValidator(_known)]
 
 Motion = Mapping[str, History]
 """The components of a motion by their axes, "x", "y", "z"."""

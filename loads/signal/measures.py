@@ -243,6 +243,26 @@ def parse(text: str, where: str = "measure", rule: str = "x") -> Measure:
     return Measure(f"{name}{inside}:{chosen}", family.unit, family.order, quantity, chosen)
 
 
+def spectrum(motion: Motion, rule: str, periods: np.ndarray) -> np.ndarray:
+    """Sa of a motion at periods (k,) of zero or more, for 5 % damping [m/s2].
+
+    Args:
+        motion: its components by axis.
+        rule: of the components, see :mod:`loads.signal.directions`.
+        periods: [s].
+
+    Raises:
+        InputError: see :meth:`Measure.value`.
+    """
+    quantity = Spectral(periods, DAMPING, _first)
+    if rule in AXES:
+        return quantity.ordinates(component(motion, rule, "Sa"))
+    x, y = horizontal(motion, "Sa")
+    if rule in PAIRS:
+        return np.array([*map(PAIRS[rule], quantity.ordinates(x), quantity.ordinates(y))])
+    return ROTATED[rule](quantity.around(x, y))
+
+
 def of_one_component(texts: Sequence[str] | None, where: str) -> list[Measure]:
     """The measures that texts ask for, of a motion whose only component is x; Sa at five periods where there are none.
 

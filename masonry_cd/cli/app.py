@@ -16,8 +16,8 @@ from masonry_cd import __version__
 from masonry_cd.cli.printing import printed
 
 COMMANDS = (  # files of this package, each with a function of its name, in the order of the help text
-    "init", "run", "build", "report", "view", "export", "compare", "record", "modal", "limit", "strengthen", "risk", "solve", "accuracy",
-    "study", "assess", "validate", "schema", "plugins",
+    "init", "run", "build", "report", "view", "export", "compare", "record", "select", "modal", "limit", "strengthen", "risk", "solve",
+    "accuracy", "study", "assess", "validate", "schema", "plugins",
 )  # fmt: skip
 
 app = typer.Typer(

@@ -48,6 +48,12 @@ FOLDERS: dict[str, dict[str, str]] = {
         "crossing.csv": "the factor of a vehicle over where it stands",
         "crossing.png": "that envelope",
     },
+    "select": {
+        "selected.toml": "the table [records] of a study: the set with its factors",
+        "selection.csv": "every record of the set: its factor, its misfit, what the catalogue says of it",
+        "selection.json": "the set in numbers: mean and scatter against the target, EN 1998-1, spectra, what was left out and why",
+        "selection.png": "the spectra of the set, and the target",
+    },
     "strengthen": {
         "strengthen.json": "target, ties, prices, and every part before and after",
         "ties.csv": "the ties with their forces, bars and prices",

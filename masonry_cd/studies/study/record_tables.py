@@ -60,6 +60,8 @@ class RecordsTable(Table):
     """Turns the horizontal pair about z, counter-clockwise seen from above; [vary] may vary "records.rotate"."""
     scale: Annotated[Number, Field(gt=0)] = 1.0
     """Factor on all motions that are not scaled to a level."""
+    factors: Annotated[dict[str, Annotated[Number, Field(gt=0)]], Field(min_length=1)] | None = None
+    """Motions that are used, and no others, each with a factor of its own on top of scale; masonry-cd select writes them."""
     dt: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
     """Time step, where the files have no times."""
     units: str | None = None
@@ -117,6 +119,8 @@ class RecordsTable(Table):
             raise ValueError("values: missing" if self.values is None else "values: belongs to key")
         if self.values is not None and (not self.values or len({repr(value) for value in self.values}) < len(self.values)):
             raise ValueError("values: should be values, each once")
+        if self.key is not None and self.factors is not None:
+            raise ValueError("factors: of the motions of a folder; leave it out")
         if self.folder is not None and not (self.x or self.y or self.z):
             raise ValueError('x: missing; which components shake along x, as ["NS", "H1"]')
         if self.shake is not None and not self.shake:

@@ -82,7 +82,7 @@ class Records:
             InputError: no factor brings it to the level.
         """
         if level is None:
-            return self.table.scale
+            return self.table.scale * (self.table.factors or {}).get(motion.name, 1.0)
         measure, value = self.measures[self._scaled_by], self.measured(motion, degrees)[self._scaled_by]
         if measure.order == 0 or not value > 0.0:
             raise InputError("intensity.measure", f"{measure.name}: no factor scales {motion.name} to it, where it is {value:g}")
@@ -136,7 +136,8 @@ def find_records(study: Study) -> Records | None:
             name: parse(name, "intensity.also", rule) for name in (*(intensity.also if intensity else ()), *COMMON) if name != named
         }
         dt = study.scene.run.dt
-        return Records(table, [_read(motion, table, dt) for motion in _pair(table, study.folder)], measures, named)
+        motions = [paired(table, name, files) for name, files in motions_of(table, study.folder).items()]
+        return Records(table, [read_motion(motion, table, dt) for motion in motions], measures, named)
 
 
 def matched(pattern: str, names: Sequence[str], longest: float = LONGEST) -> list[tuple[str, str, str]]:
@@ -160,8 +161,12 @@ def matched(pattern: str, names: Sequence[str], longest: float = LONGEST) -> lis
     return [(name, motion, component) for name, motion, component in json.loads(ended.stdout)]
 
 
-def _pair(table: RecordsTable, base: Path) -> list[Motion]:
-    """The motions of the folder with a file for each axis."""
+def motions_of(table: RecordsTable, base: Path) -> dict[str, dict[str, Path]]:
+    """The files of each motion of the folder, by component, in the order of the names.
+
+    Raises:
+        InputError: no such folder, no file that fits, a component twice, a motion that is named and not there.
+    """
     assert table.folder is not None
     folder = (base / table.folder).resolve()
     if not folder.is_dir():
@@ -177,13 +182,24 @@ def _pair(table: RecordsTable, base: Path) -> list[Motion]:
     if not found:
         seen = ", ".join(names[:MOST_NAMED]) + (" ..." if len(names) > MOST_NAMED else "")
         raise InputError("records.pattern", f"no file of {folder} matches {table.pattern} (files there: {seen or 'none'})")
-    for name in table.exclude:
-        if not any(fnmatchcase(motion, name) for motion in found):
-            raise InputError("records.exclude", f'there is no motion "{name}"{suggest(name, found)}')
-    kept = {motion: files for motion, files in found.items() if not any(fnmatchcase(motion, name) for name in table.exclude)}
+    for key, named in (("exclude", table.exclude), ("factors", table.factors or ())):
+        for name in named:
+            if not any(fnmatchcase(motion, name) if key == "exclude" else motion == name for motion in found):
+                raise InputError(f"records.{key}", f'there is no motion "{name}"{suggest(name, found)}')
+    asked = [motion for motion in sorted(found) if table.factors is None or motion in table.factors]
+    kept = {motion: found[motion] for motion in asked if not any(fnmatchcase(motion, name) for name in table.exclude)}
     if not kept:
         raise InputError("records.exclude", "leaves no motion")
-    return [Motion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes}) for motion, files in kept.items()]
+    return kept
+
+
+def paired(table: RecordsTable, motion: str, files: Mapping[str, Path]) -> Motion:
+    """A motion with a file for each axis.
+
+    Raises:
+        InputError: a component that is not there, or is asked for twice.
+    """
+    return Motion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes})
 
 
 def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, Path]) -> Path:
@@ -198,8 +214,17 @@ def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, 
     return files[chosen]
 
 
-def _read(motion: Motion, table: RecordsTable, dt: float) -> Motion:
-    """Read the components of a motion, cut alike."""
+def read_motion(motion: Motion, table: RecordsTable, dt: float) -> Motion:
+    """Read the components of a motion, cut alike.
+
+    Args:
+        motion: from :func:`paired`.
+        table: how they are treated.
+        dt: time step of a run, for ``resample = "run"`` [s].
+
+    Raises:
+        InputError: a file that cannot be read, components that differ in their time steps.
+    """
     window: tuple[float, float] | None = None
     raw = {axis: _history(path, table, dt, None) for axis, path in motion.files.items()}
     ends = {axis: history.duration for axis, history in raw.items()}

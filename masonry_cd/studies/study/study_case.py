@@ -245,7 +245,7 @@ def _identity(plan: Plan) -> dict[str, str]:
     """Return the digests by which a study is recognised: all but how large its design is."""
     study, maker = plan.maker.study, plan.maker
     tables, intensity = study.tables, study.tables.intensity
-    records = None if tables.records is None else tables.records.model_dump(exclude={"folder", "exclude", "values"})
+    records = None if tables.records is None else tables.records.model_dump(exclude={"folder", "exclude", "factors", "values"})
     vary = {"keys": study.varied.columns, "random": {key: one.model_dump() for key, one in study.varied.random.items()}}
     return {
         "scene": maker.name(maker.base()),

@@ -21,7 +21,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from loads.signal.directions import RULES
+from loads.signal.directions import Rule
 from masonry_cd.analysis.fragility.limits import LimitTable
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
@@ -46,7 +46,7 @@ class IntensityTable(Table):
 
     measure: str = "PGA"
     """Intensity measure, "PGA", "Sa(0.5)", "AvgSA(0.1,1.0)"; with ``key``, any word for the column."""
-    of: str = "x"
+    of: Rule = "x"
     """Component "x", "y" or "z"; or both horizontal ones by "geometric_mean", "larger", "rotd50" or "rotd100"."""
     levels: list[Positive] | None = None
     """Levels of stripes and grids, in the unit of the measure, SI."""
@@ -54,13 +54,6 @@ class IntensityTable(Table):
     """Further measures that become columns."""
     key: str | None = None
     """Key of the scene that a level is put in, where there are no records to scale: "loads[0].ag"."""
-
-    @field_validator("of")
-    @classmethod
-    def _is_rule(cls, value: str) -> str:
-        if value not in RULES:
-            raise ValueError(f'unknown "{value}"{suggest(value, RULES)}; one of {", ".join(RULES)}')
-        return value
 
     @field_validator("levels")
     @classmethod
@@ -133,7 +126,7 @@ class StudyTables(Table):
     samples: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
     """Samples of the design "sample"."""
     records: RecordsTable | None = None
-    """The motions."""
+    """The motions; or the name of a file with this table, as masonry-cd select writes it."""
     intensity: IntensityTable | None = None
     """Intensity that motions are scaled to or measured by."""
     vary: dict[str, Any] = Field(default_factory=dict)
@@ -209,6 +202,8 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
         return unit_of_key({} if scene is None else scene.tables, key)
 
     with origin.locating():
+        if isinstance(tables.get("records"), str):
+            tables["records"] = _records(path.parent / tables["records"])
         top = parse_table(StudyTables, study_in_si(tables, unit), "")
         _check_design(top)
         varied = read_varied(top.vary, top.correlation, unit)
@@ -229,6 +224,23 @@ def _scene(given: object, path: Path, origin: Origin) -> Scene | None:
     return (
         scene_of(given, dump_toml(given), path, Origin(origin.text, origin.path, within="scene.")) if isinstance(given, Mapping) else None
     )
+
+
+def _records(file: Path) -> dict[str, Any]:
+    """The table [records] of a file of its own, whose folder is then seen from anywhere.
+
+    Raises:
+        InputError: no such file, or a wrong key in it.
+    """
+    if not is_file(file):
+        raise InputError("records", f"{file}: no such file")
+    text = read_text(file)
+    table = parse_toml(text, file).get("records")
+    if not isinstance(table, dict):
+        raise InputError("records", f"{file}: has no table [records]")
+    with Origin(text, file).locating():
+        parse_table(RecordsTable, table, "records")
+    return table | {key: str(file.parent.resolve() / table[key]) for key in ("folder",) if key in table}
 
 
 def _study_text(path: Path) -> str:
