@@ -13,6 +13,7 @@ from typing import Any
 
 from masonry_cd.app.scene_schema import scene_schema
 from masonry_cd.foundation.table_schema import table_schema
+from masonry_cd.studies.selection.tables import SelectionTables
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
 from structures.site import PlaceTable
@@ -29,6 +30,7 @@ STUDY_HEAD = """# Every key of a study
 Written from the tables of the study file by `python docs/write_scene_reference.py`. [Studies](studies.md) explains them. *Needed* keys have
 no default; those without either may be left out.
 """
+SELECTION = "Read by [masonry-cd select](howto/records.md#choose-a-set-for-a-site); `[records]` as of a study.\n"
 SITE = """Several structures side by side, in place of `[structure]`: each has the keys of its kind, as above, and those below. Blocks and
 groups are named `NAME.block` and `NAME.group`; pairs of groups in `[material]` may be patterns, as `"*arch-*base"`. Structures that touch
 pound on one another as any blocks do. Where the grounds of two of them overlap, an upright plane in the middle between the two parts them,
@@ -40,6 +42,9 @@ SIGNS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most
 def pages() -> dict[Path, str]:
     """The text of each page."""
     study = [STUDY_HEAD, *_section("The study file", table_schema(StudyTables)), *_section("slurm.toml", table_schema(SlurmTable))]
+    selection = table_schema(SelectionTables)
+    del selection["properties"]["records"]["properties"]  # which stand above
+    study += _section("The selection file", selection, SELECTION)
     return {SCENE: _scene(), STUDY: "\n".join(study)}
 
 
