@@ -169,7 +169,7 @@ def test_the_verdict_takes_what_lowers_the_factor_where_the_scene_states_nothing
     case = analysed(text_of(arch))
     found, verdict = case.assumed, on_the_whole(facts(case))
     assert found.decides is not None and found.decides.assumed == TOGETHER and found.decides.factor == min(found.range or ())
-    assert verdict is not None and verdict.grade == f"load factor {found.decides.factor:.4g}"
+    assert verdict is not None and verdict.grade == f"load factor at most {found.decides.factor:.4g}"
     assert "structure.fill.passive" in verdict.why and CRUSHING in verdict.why
     strong = analysed(text_of(arch, material="\njoints = {compressive_strength = 5e7}"))
     assert strong.assumed.decides is not None and strong.assumed.decides.key == "structure.fill.passive=0"

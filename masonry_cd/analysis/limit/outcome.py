@@ -62,17 +62,17 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
         return checked
     verdict, assumed = on_the_factor(facts), facts["assumed"]
     if assumed["decides"] is not None:
-        return _as_assumed(assumed, verdict.sure)
+        return _as_assumed(assumed, verdict.sure, "" if facts.get("least") else "at most ")
     return replace(verdict, because="; ".join(filter(None, [verdict.because, *assumed["brief"]])))
 
 
-def _as_assumed(assumed: Mapping[str, Any], sure: str) -> Verdict:
-    """The verdict on a factor that rests on what the scene does not state."""
+def _as_assumed(assumed: Mapping[str, Any], sure: str, bound: str) -> Verdict:
+    """The verdict on a factor that rests on what the scene does not state; ``bound`` is "at most " where no least one was searched for."""
     least = assumed["decides"]["factor"]
     words, because = "read what it rests on before you rely on the factor", "; ".join(assumed["brief"])
     keys = " and ".join(one.partition("=")[0] for one in assumed["decides"]["key"].split())
     why = f"the scene does not state {keys}: what lowers the factor is taken"
-    grade = f"load factor {least:.4g}" if least else "does not stand"
+    grade = f"load factor {bound}{least:.4g}" if least else "does not stand"
     return Verdict(grade, "", because, max(sure, LOOK, key=RANKS.index), words, why)
 
 
