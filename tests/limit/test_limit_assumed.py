@@ -187,3 +187,21 @@ def test_walls_are_left_out_as_by_a_scene_without_them() -> None:
     (row,) = [row for row in with_walls.rows if row.assumed == "walls"]
     bare = analysed(text_of(arch), "material.friction=0.7").whole
     assert bare is not None and row.factor == pytest.approx(bare.analysis.governing.factor, rel=1e-9)
+
+
+def test_a_check_that_is_met_with_what_the_scene_does_not_state_is_not_decided() -> None:
+    """A demand between what the bridge bears as computed and what it bears without what is assumed."""
+    text = text_of(DEEP_ARCH | {"voussoirs": 9}).partition("[[loads]]")[0] + PUSH
+    spectrum = '[limit.check]\nspectrum = "EC8"\ndisplacements = false\nag = '
+    ag = 0.5
+    found = analysed(text + f"{spectrum}{ag}\n")
+    assert found.verdict is not None and found.verdict.ratio is not None and found.verdict.state == "satisfied"
+    own, decides = found.assumed.rows[0].factor, found.assumed.decides
+    assert own is not None and decides is not None and decides.factor is not None and decides.factor < 0.8 * own
+    asked = ag * found.verdict.ratio / 1.15  # borne 1.15 times as computed
+    doubted = analysed(text + f"{spectrum}{asked}\n").verdict
+    assert doubted is not None and doubted.state == "not decided" and "passive_shaken" in doubted.reason
+    stated = analysed(
+        text + f"{spectrum}{asked}\n", "structure.fill.passive_shaken=0.3", "material.joints.compressive_strength=1e9"
+    ).verdict
+    assert stated is not None and stated.state == "satisfied"
