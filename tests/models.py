@@ -64,7 +64,11 @@ def gravity(steps: int, vector: tuple[float, float, float] = (0.0, 0.0, -GRAVITY
 
 
 def material_of(
-    friction: float, joints: Mapping[str, JointLaw] | None = None, elastic: ElasticBlocks | None = None, rolling: float = 0.0, **keys: Any
+    friction: float | dict[str, float],
+    joints: Mapping[str, JointLaw] | None = None,
+    elastic: ElasticBlocks | None = None,
+    rolling: float = 0.0,
+    **keys: Any,
 ) -> Material:
     """A material with laws by pair of groups, blocks that deform, spheres that roll with friction, and other keys."""
     keys |= {} if elastic is None else elastic.model_dump(exclude_unset=True)

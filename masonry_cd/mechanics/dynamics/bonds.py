@@ -9,6 +9,7 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.mechanics.dynamics.cohesive_curve import Curves
+from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 
 
 class Bonds(NamedTuple):
@@ -70,6 +71,12 @@ class BondMemory(NamedTuple):
     def cut(self, gone: np.ndarray) -> BondMemory:
         """The bonds without those of contacts (K,) bool."""
         return self._replace(damage=np.where(gone, 1.0, self.damage), spent=np.where(gone, 1.0, self.spent))
+
+    def freed(self, joints: JointMemory, gone: np.ndarray) -> JointMemory:
+        """The memory of joints whose contacts (K,) bool have lost their bond: where a share of one was dry its slip stays, elastic."""
+        first, slip = np.flatnonzero(self.twin & gone) - 1, joints.slip.copy()
+        slip[first] = slip[first + 1]
+        return joints._replace(slip=slip)
 
     def with_step(self, share: float) -> BondMemory:
         """The bonds as they go into a step of another length, by its share of the last one; 0: from rest."""

@@ -28,7 +28,8 @@ from scipy.special import wrightomega
 from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 
-LEFT = 1e-4  # share of the strength at which an exponential curve ends
+LEFT = 1e-4  # share of the strength at which a curve ends
+END = -math.log(LEFT)  # r at which an exponential one does
 
 
 def opening_at_end(laws: JointLaws) -> np.ndarray:
@@ -36,7 +37,7 @@ def opening_at_end(laws: JointLaws) -> np.ndarray:
     first, second = np.nonzero(laws.fracture > 0.0)
     curves = Curves.of(laws, np.zeros_like(laws.apex), (first, second))
     rho = (curves.fracture[:, 0] / curves.onset[:, 0] - 1.0) * np.where(curves.exponential, 0.5, 1.0)
-    end = np.where(curves.exponential, -math.log(LEFT), 1.0)
+    end = np.where(curves.exponential, END, 1.0)
     return laws.tension[first, second] / curves.normal * (1.0 + rho * end)
 
 
@@ -90,7 +91,8 @@ class Curves(NamedTuple):
 
     def strength(self, r: np.ndarray) -> np.ndarray:
         """phi (N,), the share of the strength that is left."""
-        phi = np.where(self.exponential, libm.exp(-np.minimum(r, 700.0)), np.maximum(0.0, 1.0 - r))
+        phi, curved = 1.0 - r, np.flatnonzero(self.exponential & (r > 0.0))
+        phi[curved] = libm.exp(-np.minimum(r[curved], 2.0 * END))
         return np.where(phi > LEFT, phi, 0.0)
 
     def damage(self, r: np.ndarray, rho: np.ndarray) -> np.ndarray:
@@ -100,10 +102,11 @@ class Curves(NamedTuple):
     def place(self, damage: np.ndarray, rho: np.ndarray) -> np.ndarray:
         """r (N,) at a damage below 1; infinite at 1."""
         left = 1.0 - damage
-        with np.errstate(divide="ignore"):
-            along = wrightomega(1.0 / rho - libm.log(np.maximum(rho * left, 1e-300))) - 1.0 / rho
-        r = np.where(self.exponential, along, damage / (1.0 + rho * left))
-        return np.where(left > 0.0, np.maximum(0.0, r), np.inf)
+        r = damage / (1.0 + rho * left)
+        curved = np.flatnonzero(self.exponential & (damage > 0.0) & (left > 0.0))
+        inverse = 1.0 / rho[curved]
+        r[curved] = np.maximum(0.0, wrightomega(inverse - libm.log(left[curved] / inverse)) - inverse)
+        return np.where(left > 0.0, r, np.inf)
 
     def taken(self, r: np.ndarray, rho: np.ndarray) -> np.ndarray:
         """Share (N,) of the fracture energy that the bond has taken: the area under the curve less what the spring gives back."""

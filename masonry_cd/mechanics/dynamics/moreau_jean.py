@@ -303,10 +303,11 @@ class Stepper:
         gone = pairs[group[:, 0], group[:, 1]]
         if not len(gone):
             return
+        joints = m.joints
         if self.system.softens:
             gone = gone[np.cumsum(~m.bonds.twin) - 1]
-            m = m._replace(bonds=m.bonds.cut(gone))
-        self.motion = m._replace(joints=m.joints._replace(bonded=m.joints.bonded & ~gone))
+            m, joints = m._replace(bonds=m.bonds.cut(gone)), m.bonds.freed(joints, gone)
+        self.motion = m._replace(joints=joints._replace(bonded=joints.bonded & ~gone))
 
     def lock_ties(self) -> None:
         """Have the ties that are jacked pull with their first tension where the blocks now are."""

@@ -19,6 +19,7 @@ In a step with impacts solved apart the law holds for the blow alone, see ``impa
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
 from masonry_cd.mechanics.friction.contact_geometry import velocity_between
 from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.linalg.threads import in_shares
 
 UNBONDED = np.zeros(0)
@@ -63,7 +65,7 @@ def find_violations(
         v: (F, n) velocities at its end.
         before: false slip of all contacts of the last step [m].
     """
-    count, h, problem = made.problem.contacts, system.constants.step, made.problem.arrays()
+    count, h, problem = made.problem.contacts, system.constants.step, _judged(made, impulse, v).arrays()
     bond = UNBONDED if made.springs is None else made.springs.bond
     after = np.zeros((max(1, len(made.found.gap)), system.rows - 1))
     slips = FalseSlip(made.rows.active, made.found.previous, before, after)
@@ -74,6 +76,16 @@ def find_violations(
         speed, opening = max(speed, other[0]), max(opening, other[2])
     first, second = made.rows.blocks[worst].tolist() if worst >= 0 else (-1, -1)
     return Violation(speed, slip, opening, (first, second)), after
+
+
+def _judged(made: StepProblem, impulse: np.ndarray, v: np.ndarray) -> FrictionProblem:
+    """The problem with bonds that soften as if they met their law: next to no stiffness makes metres per second of next to no force."""
+    if made.bonds is None:
+        return made.problem
+    row, offset = made.bonds.rows(made.rows.active)[1], made.problem.offset.copy()
+    held = made.problem.subset(row)
+    offset[row] -= held.relative_velocity(v) + held.compliance * impulse[row]
+    return replace(made.problem, offset=offset)
 
 
 @entry()

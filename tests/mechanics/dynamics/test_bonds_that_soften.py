@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models import advance, box, gravity, ground, material_of, stepper
+from models import GRAVITY, advance, box, gravity, ground, material_of, stepper
 
 import loads
 from masonry_cd.foundation.arrays import Stored
@@ -201,3 +201,39 @@ def test_a_peeled_beam_follows_the_theory_of_beams_at_any_number_of_points() -> 
         assert np.abs(force * free**3 / (3.0 * BENDING) / lift - 1.0).max() < 0.06
     assert fine[:, 1].max() == pytest.approx(coarse[:, 1].max(), rel=0.01)
     assert np.abs(fine[:, 1] - coarse[:, 1]).max() < 0.04 * fine[:, 1].max()
+
+
+# --- a stone that is cut beforehand ------------------------------------------------------------------------------------------
+
+SPAN, HIGH, WIDE, STONE, STIFF = 2.0, 0.3, 0.3, 1e6, 1e11  # of a lintel [m], its tensile strength [Pa], stiffness of the cut [N/m3]
+
+
+def broken_at(energy: float, points: int = 9, steps: int = 250, most: float = 1.75) -> float:
+    """Weight at which a lintel that is cut at mid-span and bonded there falls, over that of the moment f_t b h^2 / 6."""
+    half, end = SPAN / 2, SPAN / 2 + 0.1
+    blocks = [
+        box("pier 0", (-end, -WIDE / 2, -0.5), (-half, WIDE / 2, 0.0), fixed=True),
+        box("pier 1", (half, -WIDE / 2, -0.5), (end, WIDE / 2, 0.0), fixed=True),
+        replace(box("left", (-end, -WIDE / 2, 0.0), (0.0, WIDE / 2, HIGH)), group="left"),
+        replace(box("right", (0.0, -WIDE / 2, 0.0), (end, WIDE / 2, HIGH)), group="right"),
+    ]
+    bond = {"cohesion": 5.0 * STONE, "tension": STONE, "fracture_energy": energy, "shear_fracture_energy": 1e5, "softening": "linear"}
+    law = JointLaw(normal_stiffness=STIFF, joint_points=points, damping=0.1, damping_frequency=20.0, **bond)
+    assembly = Assembly.from_blocks(blocks, material_of({"left-right": 0.6, "default": 0.0}, {"left-right": law}))
+    moment = 2000.0 * GRAVITY * WIDE * HIGH * (half**2 - 0.1**2) / 2.0
+    pull, dt = gravity(steps) * np.linspace(0.0, most, steps + 1)[:, None] * STONE * WIDE * HIGH**2 / 6.0 / moment, 3e-3
+    run = Run.model_validate({"dt": dt, "duration": dt * steps, "tolerance": 1e-8, "solver": "newton"})
+    machine = Stepper(assembly, np.zeros((steps + 1, 1, 3)), pull, run)
+    for k in range(steps):
+        machine.step()
+        if machine.state.position[2, 2] - assembly.centre[2, 2] < -5e-4:
+            return most * (k + 1) / steps
+    return np.inf
+
+
+def test_a_lintel_cut_at_mid_span_breaks_at_the_elastic_moment_and_bears_more_the_tougher_it_is() -> None:
+    least = STONE**2 / (2.0 * STIFF)
+    brittle, tough = broken_at(1.05 * least), broken_at(4.0 * least)
+    assert 1.0 < brittle < 1.1
+    assert 1.3 < tough < 3.0  # three times were all of the section at the strength
+    assert broken_at(4.0 * least, points=15) == pytest.approx(tough, rel=0.03)
