@@ -160,6 +160,21 @@ def test_the_share_of_a_joint_that_is_bonded_falls_with_the_energy_that_is_taken
     assert 0.2 < machine.energy["bond"] / G_1 < 0.8
 
 
+def test_a_bond_that_is_cut_in_the_middle_of_softening_leaves_friction_and_its_energy_is_booked() -> None:
+    pressure = 1e5
+    machine = led([(-3e-4, 0.0, 0.0), (-4e-4, 0.0, 0.0)], 0.2, 1e-3, pressure=pressure)
+    advance(machine, 120)
+    before, bonded = machine.energy, float(machine.motion.bonds.damage.min())
+    assert 0.5 < bonded < 1.0
+    machine.cut_bonds(np.ones((2, 2), dtype=bool))
+    advance(machine, 80)
+    after = machine.energy
+    assert abs(machine.solution.impulse[:, 1].sum()) / 1e-3 == pytest.approx(MU * pressure, rel=1e-3)
+    assert after["bond"] == before["bond"]
+    assert 0.0 < after["damping"] - before["damping"] < before["elastic"]
+    assert abs(after["balance"]) < 1e-9 * G_2
+
+
 # --- a beam peeled off its base: half of a double cantilever beam ------------------------------------------------------------
 
 LONG, DEEP, TOUGH, ARM = 0.05, 0.1, 50.0, 2e11  # of a block [m], G_I [N/m], stiffness of the joints between the blocks [N/m3]
