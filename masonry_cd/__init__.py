@@ -21,6 +21,7 @@ __version__ = "0.2.0"
 NAMES = {
     "Assessment": "masonry_cd.interface.assessing:Assessment",
     "Block": "masonry_cd.mechanics.model.blocks:Block",
+    "Calibration": "masonry_cd.interface.calibrating:Calibration",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "Force": "masonry_cd.interface.own_forces:Force",
     "Hazard": "masonry_cd.interface.hazard:Hazard",
@@ -38,6 +39,7 @@ NAMES = {
     "Study": "masonry_cd.interface.studies:Study",
     "assess": "masonry_cd.interface.assessing:assess",
     "box": "structures.geometry.prism:box",
+    "calibrate": "masonry_cd.interface.calibrating:calibrate",
     "compare": "masonry_cd.interface.comparison:compare",
     "from_compas": "masonry_cd.interface.compas:from_compas",
     "from_compas_dem": "masonry_cd.interface.compas_dem:from_compas_dem",

@@ -4,6 +4,8 @@ from masonry_cd.foundation.plugins import plugins as plugins
 from masonry_cd.foundation.trust import trust as trust
 from masonry_cd.interface.assessing import Assessment as Assessment
 from masonry_cd.interface.assessing import assess as assess
+from masonry_cd.interface.calibrating import Calibration as Calibration
+from masonry_cd.interface.calibrating import calibrate as calibrate
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.compas import from_compas as from_compas
@@ -43,6 +45,7 @@ NAMES: dict[str, str]
 __all__ = [
     "Assessment",
     "Block",
+    "Calibration",
     "Comparison",
     "Force",
     "Hazard",
@@ -60,6 +63,7 @@ __all__ = [
     "Study",
     "assess",
     "box",
+    "calibrate",
     "compare",
     "from_compas",
     "from_compas_dem",

@@ -49,8 +49,8 @@ INSIDE = 5  # curves at most whose legend goes into the plot
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, displacement [m], force [N]
 
 
-def write_laboratory(results: Results, folder: Path) -> Summary:
-    """Write the tables and the plots; return the summary's share, nothing of a run without pushes."""
+def write_laboratory(results: Results, folder: Path, pictures: bool = True) -> Summary:
+    """Write the tables and, with ``pictures``, the plots; return the summary's share, nothing of a run without pushes."""
     if not results.gauges.any:
         return Summary()
     curves = push_curves(results)
@@ -65,9 +65,9 @@ def write_laboratory(results: Results, folder: Path) -> Summary:
     gauges = histories_of(results, asked=False)
     for kind, found in gauges.items():
         write_csv(folder / f"{kind}.csv", [TABLES[f"{kind}.csv"][0], *next(iter(found.values()))], _rows(found.items()), digits=10)
-    if curves:
+    if curves and pictures:
         save(push_figure([curve for curve in curves if curve.kind == "push"] or curves, title=results.title), folder / CURVE_PLOT)
-    if gauges:
+    if gauges and pictures:
         save(gauges_figure(gauges, results.title), folder / GAUGE_PLOT)
     return Summary(pushes=pushes) if pushes else Summary()
 

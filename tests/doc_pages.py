@@ -105,11 +105,11 @@ class Reader:
 
     def save(self, fence: Fence) -> None:
         """Save a scene under its title, and prepare it as a run does, unless it is for limit analysis alone."""
-        tomllib.loads(fence.text)
+        tables = tomllib.loads(fence.text)
         if fence.title:
             path = self.folder / fence.title
             path.write_text(fence.text)
-            if "records" in tomllib.loads(fence.text):  # a selection or a study, which its command reads
+            if {"records", "design"} & tables.keys():  # a selection or a study, which its command reads
                 return
             scene = read_scene(path, begun(path))
             if not any(load["kind"] == "vehicle" and not {"position", "speed"} & {*load} for load in scene.loads):  # which limit places
@@ -157,6 +157,8 @@ class Reader:
         if words[0] == "assess":
             few = ["assess.members=3", 'assess.leave_out=["block size", "bond", "damping", "joint stiffness"]']
             return [*words, *(word for change in [*begun(self.folder / words[1]), *few] for word in ("--set", change))]
+        if words[0] == "calibrate":
+            return [*words, *(["--plan"] if "--plan" not in words else [])]
         if words[0] == "modal":
             return [*words, "--modes", "1", "--pictures", "0"]
         return words

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.io.gauges import JOINT_COLUMNS
+from masonry_cd.io.gauges import JOINT_COLUMNS, Gauges
 from masonry_cd.io.results import Results
 
 History = dict[str, np.ndarray]
@@ -65,6 +65,23 @@ def crack_histories(results: Results) -> dict[str, History]:
         across = gone - along[:, None] * line
         made[name] = {"time": columns["time"], "opening": along, "slip": np.sqrt(np.sum(across * across, axis=1))}
     return made
+
+
+def gauge_histories(results: Results) -> dict[str, History]:
+    """All of these by the names of the gauges; of those of one name the first, in the order of points, joints, cracks and supports."""
+    kinds = (support_histories, crack_histories, joint_gauge_histories, point_histories)
+    return {name: columns for kind in kinds for name, columns in kind(results).items()}
+
+
+def columns_of(gauges: Gauges) -> dict[str, tuple[str, ...]]:
+    """The columns of each gauge by its name, time aside, likewise."""
+    kinds = (
+        (gauges.supports, _columns("f")),
+        (gauges.cracks, ("opening", "slip")),
+        (gauges.joints, JOINT_COLUMNS),
+        (gauges.points, _columns("uva")),
+    )
+    return {gauge.name: columns for every, columns in kinds for gauge in every}
 
 
 def _plain(results: Results, gauges: Sequence[Any], dataset: str, columns: tuple[str, ...]) -> dict[str, History]:

@@ -68,6 +68,7 @@ def run_case(
     dump: Sequence[int] = (),
     limit: float = math.inf,
     own: Own | None = None,
+    pictures: bool = True,
 ) -> Summary:
     """Run a case and write everything into a folder, which is made if need be.
 
@@ -79,6 +80,7 @@ def run_case(
         dump: steps whose friction problems are written, see :mod:`masonry_cd.app.dump`.
         limit: the run ends after the step in which this time of the clock has passed since its first [s].
         own: of code that steps the case itself; such a run takes no checkpoints.
+        pictures: draw the histories of its gauges.
 
     Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the run after its step; once the steps are done they raise Interrupted, and ``resume``
     finishes what was left to write.
@@ -126,7 +128,7 @@ def run_case(
                 summary |= Summary(python=own.note)
             summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
-        summary = _write_damage(case, folder, summary, since)
+        summary = _write_damage(case, folder, summary, since, pictures)
         if not report.stopped or report.signal == signal.SIGINT:  # who pressed Ctrl-C looks on; a second one ends the drawing
             interrupt.at_once = True
             summary = _write_asked(case, folder, summary, since)
@@ -205,7 +207,7 @@ def _steps(
         )
 
 
-def _write_damage(case: Case, folder: Path, summary: Summary, since: float) -> Summary:
+def _write_damage(case: Case, folder: Path, summary: Summary, since: float, pictures: bool = True) -> Summary:
     """Write joints.csv and summary.json; return the summary, whose seconds count from a reading of the clock."""
     from reports import damage as damage_files
 
@@ -214,7 +216,7 @@ def _write_damage(case: Case, folder: Path, summary: Summary, since: float) -> S
         if results.gauges.any:
             from reports.laboratory import write_laboratory
 
-            summary |= write_laboratory(results, folder)
+            summary |= write_laboratory(results, folder, pictures)
     summary |= Summary(wall_seconds=since + time.perf_counter())
     summary.write(folder)  # before the pictures, which may fail for want of a library
     return summary

@@ -17,7 +17,7 @@ from masonry_cd.cli.printing import printed
 
 COMMANDS = (  # files of this package, each with a function of its name, in the order of the help text
     "init", "run", "build", "report", "view", "export", "compare", "record", "select", "modal", "limit", "strengthen", "risk", "solve",
-    "accuracy", "study", "assess", "validate", "schema", "plugins",
+    "accuracy", "study", "assess", "calibrate", "validate", "schema", "plugins",
 )  # fmt: skip
 
 app = typer.Typer(

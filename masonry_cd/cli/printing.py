@@ -18,7 +18,7 @@ from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.result import Result
 
 # commands that continue what was interrupted, and by which option
-CONTINUED = {"run": ("--resume",), "limit": ("--resume",), "study": (), "assess": ()}
+CONTINUED = {"run": ("--resume",), "limit": ("--resume",), "study": (), "assess": (), "calibrate": ()}
 
 
 def printed(command: Callable[..., Result[Any]]) -> Callable[..., None]:

@@ -6,11 +6,11 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.plan import Plan
 from masonry_cd.studies.study.study_case import Options, plan_of, plan_of_study, require_own
+from masonry_cd.studies.study.study_file import Study as CheckedStudy
 from masonry_cd.studies.study.study_file import parse_study
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
@@ -42,6 +43,7 @@ from reports.study.tables import COLUMNS_OF_FITS, row_of
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+Made = TypeVar("Made")
 COUNTS = ("seed", *(key for key, number in numbers_in(STUDY).items() if number.whole))  # columns of whole numbers
 UNITS = {"level": "", **units_in(STUDY), "seconds": "s"}
 
@@ -280,17 +282,27 @@ def _with_units(table: DataFrame, units: Mapping[str, str]) -> DataFrame:
     return table
 
 
+FILES = ("modes", "file")  # keys of observations
 CALLED = "study"  # one made in Python, in messages
 FILE = "study.toml"
 
 
 def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan:
-    """The plan of a study made in Python; the files that hold its arrays are written into its folder, once all is checked.
+    """The plan of a study made in Python, see :func:`of_tables`."""
+    return of_tables(tables, folder, force, plan_of_study, lambda plan: plan)
+
+
+def of_tables(
+    tables: Mapping[str, Any], folder: Path, force: bool, make: Callable[[CheckedStudy], Made], plan_in: Callable[[Made], Plan]
+) -> Made:
+    """The value that is made of a study in Python; the files that hold its arrays are written into its folder, once all is checked.
 
     Args:
         tables: of a study file; ``scene`` may be anything that :func:`masonry_cd.scene` takes.
         folder: of the study.
         force: write over files of other arrays.
+        make: makes it of the study.
+        plan_in: the plan in it.
 
     Raises:
         InputError: anything wrong with the study or its scene; another study in the folder.
@@ -301,17 +313,21 @@ def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan
     inside, arrays = asked.portable()
     given = {name: value for name, value in tables.items() if name != "scene"}
     own = plain(given | ({"title": asked.title} if "title" not in given else {}), "")
-    records = own.get("records")
-    if isinstance(records, dict) and isinstance(records.get("folder"), str):
-        records["folder"] = str(Path(records["folder"]).absolute())
+    for table, key in [
+        (own.get("records"), "folder"),
+        (own.get("vary"), "from"),
+        *((t, k) for t in own.get("observations", ()) for k in FILES),
+    ]:
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            table[key] = str(Path(table[key]).absolute())
     text = dump_toml(own | {"scene": inside})
     if not arrays:
-        return plan_of_study(parse_study(text, folder / FILE, CALLED))
-    plan = plan_of_study(parse_study(text, asked.checked.folder / FILE, CALLED))  # where the arrays lie now
+        return make(parse_study(text, folder / FILE, CALLED))
+    made = make(parse_study(text, asked.checked.folder / FILE, CALLED))  # where the arrays lie now
     if not force:
-        require_own(plan, folder)
+        require_own(plan_in(made), folder)
     StudyFolder(folder).hold(arrays)
     for name, content in arrays.items():
         with replacing(folder / name) as part:
             part.write_bytes(content)
-    return plan_of_study(parse_study(text, folder / FILE, CALLED))
+    return make(parse_study(text, folder / FILE, CALLED))

@@ -149,7 +149,7 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 MODULES = sorted(path.stem for path in (ROOT / "masonry_cd" / "interface").glob("*.py"))
 WITH_EXAMPLES = {
-    "assessing", "comparison", "limit", "modal", "results",
+    "assessing", "calibrating", "comparison", "limit", "modal", "results",
     "run_stress", "running", "scenes", "simulation", "studies",
 }  # fmt: skip
 

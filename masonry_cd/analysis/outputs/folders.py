@@ -98,6 +98,13 @@ FOLDERS: dict[str, dict[str, str]] = {
         "tornado.png": "what matters",
         "median_opening.png": "the opening of every joint that half of the runs exceed",
     },
+    "calibrate": {
+        "posterior.parquet": "samples of the unknowns with their weights, which [vary] of a study takes by from",
+        "samples.csv": "every sample: its round, weight, unknowns and predictions",
+        "calibrate.json": "verdict, ranges, correlations, predictions, and what would help most",
+        "calibrate.png": "unknowns before and after, and the observations next to what is predicted",
+        "calibrate.html": "the page with all of it",
+    },
     "accuracy": {
         "accuracy.csv": "every setting: its error or its quartiles, and its cost",
         "accuracy.md": "that table to read, and what it says",

@@ -26,6 +26,8 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.records import Motion, Records
 from masonry_cd.studies.study.study_file import EnsembleTable, IdaTable, StudyTables
@@ -98,15 +100,20 @@ def sample(space: Space) -> Iterator[Asked]:
     """The runs; with another number of samples all of them are others."""
     from scipy.stats.qmc import LatinHypercube
 
-    lists, keys = space.varied.lists, space.varied.keys
     count = space.tables.samples
     assert count is not None
-    places = LatinHypercube(d=len(keys) + len(lists) + 2, rng=space.tables.seed).random(count)
+    places = LatinHypercube(d=len(space.varied.columns) + 2, rng=space.tables.seed).random(count)
     for u in places:
-        values: dict[str, Any] = space.varied.draw(u[: len(keys)])
-        values |= {key: _at(u[len(keys) + i], lists[key]) for i, key in enumerate(lists)}
-        ordered = {key: values[key] for key in space.varied.columns}
-        yield Asked(_at(u[-2], space.motions), _at(u[-1], space.levels), values=ordered)
+        yield placed(space, u)
+
+
+def placed(space: Space, u: np.ndarray) -> Asked:
+    """The run at a point (d,) of the unit cube, whose coordinates are of the distributions, the lists, the motions and the levels."""
+    lists, keys = space.varied.lists, space.varied.keys
+    values: dict[str, Any] = space.varied.draw(u[: len(keys)])
+    values |= {key: _at(u[len(keys) + i], lists[key]) for i, key in enumerate(lists)}
+    ordered = {key: values[key] for key in space.varied.columns}
+    return Asked(_at(u[-2], space.motions), _at(u[-1], space.levels), values=ordered)
 
 
 def _at(u: float, choices: Sequence[Any]) -> Any:

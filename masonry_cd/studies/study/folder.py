@@ -90,7 +90,7 @@ class StudyFolder:
 
     def _names(self) -> tuple[str, ...]:
         """All files next to the folders that a study or an assessment may write."""
-        return (*files_of("study"), *files_of("assess"), *files_of("accuracy"), NAME, TEXT, "probability_*.png")
+        return (*files_of("study"), *files_of("assess"), *files_of("calibrate"), *files_of("accuracy"), NAME, TEXT, "probability_*.png")
 
     def clear(self) -> None:
         """Take away what a former study left; :meth:`require_own` has looked before."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd import __version__
+from masonry_cd.analysis.calibration.observations import OF_KINDS
 from masonry_cd.analysis.fragility.folder import StudyFacts
 from masonry_cd.analysis.run_row import STATES
 from masonry_cd.app.progress import Interrupt, Interrupted
@@ -107,11 +108,24 @@ def plan_of_study(study: Study) -> Plan:
     Raises:
         InputError: see :func:`plan_of`.
     """
+    with study.locating():
+        if study.tables.design == "calibrate":
+            raise InputError("design", '"calibrate" is what masonry-cd calibrate makes; a study of its posterior has [vary] from = "FILE"')
+    space = space_of_study(study)
+    with study.locating():
+        return Plan(Maker(study, space))
+
+
+def space_of_study(study: Study) -> Space:
+    """The space from which the runs of a study are chosen, once each value that varies has been tried on its scene.
+
+    Raises:
+        InputError: see :func:`plan_of`.
+    """
     hazard_numbers(study)  # refused before anything is made
     space = Space(study.tables, find_records(study), study.varied)
     check_varied(study, space)
-    with study.locating():
-        return Plan(Maker(study, space))
+    return space
 
 
 def make_runs(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways) -> Made:
@@ -247,6 +261,7 @@ def _identity(plan: Plan) -> dict[str, str]:
     tables, intensity = study.tables, study.tables.intensity
     records = None if tables.records is None else tables.records.model_dump(exclude={"folder", "exclude", "factors", "values"})
     vary = {"keys": study.varied.columns, "random": {key: one.model_dump() for key, one in study.varied.random.items()}}
+    observed = [one.model_dump(include={"what", "name", *OF_KINDS}) for one in tables.observations]
     return {
         "scene": maker.name(maker.base()),
         "design": plan.design + (" of limit analyses" if tables.asks == "limit" else ""),
@@ -254,7 +269,7 @@ def _identity(plan: Plan) -> dict[str, str]:
         "intensity measure": digest_of(None if intensity is None else [intensity.measure, intensity.of, intensity.key]),
         "treatment of records": digest_of(records),
         "set of varied keys or distributions": digest_of([vary, [group.model_dump() for group in tables.correlation]]),
-    }
+    } | ({"set of observations": digest_of([observed, tables.modal])} if observed else {})
 
 
 def hazard_numbers(study: Study) -> dict[str, Any] | None:

@@ -9,6 +9,7 @@ seed = 1
 [vary]          "material.friction" = ...
 [limit_states]  collapse = {quantity = "collapsed_blocks", above = 0}
 [run]           workers, timeout, keep
+[[observations]]                     # of a calibration, see masonry_cd/studies/calibrate
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from loads.signal.directions import Rule
+from masonry_cd.analysis.calibration.observations import Observation
 from masonry_cd.analysis.fragility.limits import LimitTable
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
@@ -36,6 +38,11 @@ from masonry_cd.studies.study.study_units import study_in_si
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 
 FORMAT = 1
+MASONRY = "material.masonry."  # beginning of its keys
+OWNERS = {  # designs to which keys belong
+    "samples": ("sample", "calibrate"), "ida": ("ida",), "ensemble": ("ensemble",),
+    "observations": ("calibrate",), "calibration": ("calibrate",), "modal": ("calibrate",),
+}  # fmt: skip
 CLOUDS = ("cloud", "sample", "grid")  # designs whose runs have intensities of their own, so that a line is put through them
 MOST_SECONDS = 1e8  # of a run: three years
 Positive = Annotated[Number, Field(gt=0)]
@@ -108,6 +115,17 @@ class RunTable(Table):
     """Memory of each worker at most; its share of the machine's when not given."""
 
 
+class CalibrationTable(Table):
+    """The table ``[calibration]``: how far a posterior is sampled."""
+
+    rounds: Annotated[Count, Field(ge=1, le=100)] = 6
+    """Rounds of ``samples`` each at most."""
+    wanted: Positive = 100.0
+    """Effective number of samples at which it ends."""
+    least: Annotated[Number, Field(ge=2)] = 30.0
+    """Effective number below which there is no answer."""
+
+
 class StudyTables(Table):
     """The top level of the file."""
 
@@ -117,14 +135,14 @@ class StudyTables(Table):
     """Title of pictures and closing lines; that of the scene when not given."""
     scene: str | dict[str, Any]
     """A scene file, relative to this one, or the tables of a scene."""
-    design: Literal["grid", "sample", "stripes", "ida", "cloud", "ensemble"]
-    """Which runs there are."""
+    design: Literal["grid", "sample", "stripes", "ida", "cloud", "ensemble", "calibrate"]
+    """Which runs there are; "calibrate" is for masonry-cd calibrate."""
     asks: Literal["run", "limit"] = "run"
     """Computation made of each scene: a run, or a limit analysis as its table [limit] asks for it."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
     """Seed of everything that is drawn."""
     samples: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
-    """Samples of the design "sample"."""
+    """Samples of the design "sample"; of each round of "calibrate"."""
     records: RecordsTable | None = None
     """The motions; or the name of a file with this table, as masonry-cd select writes it."""
     intensity: IntensityTable | None = None
@@ -141,6 +159,12 @@ class StudyTables(Table):
     """Search of the design "ida"."""
     ensemble: EnsembleTable | None = None
     """Ensemble of the design "ensemble"."""
+    observations: list[Observation] = Field(default_factory=list)
+    """Observations of the design "calibrate", [[observations]] each."""
+    calibration: CalibrationTable | None = None
+    """Extent of the sampling of its posterior."""
+    modal: dict[str, Any] = Field(default_factory=dict)
+    """Options of masonry-cd modal for frequencies and shapes that were observed: method = "joints" or "continuum", mesh_size, restraint."""
     run: RunTable = Field(default_factory=RunTable)
     """How the runs are made."""
 
@@ -206,10 +230,12 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
             tables["records"] = _records(path.parent / tables["records"])
         top = parse_table(StudyTables, study_in_si(tables, unit), "")
         _check_design(top)
-        varied = read_varied(top.vary, top.correlation, unit)
+        varied = read_varied(top.vary, top.correlation, unit, path.parent, {} if scene is None else _ranges(scene))
     assert scene is not None
     with scene.locating():
         own = scene_in_si(scene.tables)  # runs change some of them, and compute with others
+    if any(key.startswith(MASONRY) for key in varied.columns) and isinstance(own["material"].get("masonry"), str):
+        own["material"] = {**own["material"], "masonry": {"kind": own["material"]["masonry"]}}
     return Study(path, text, top, scene, own, top.scene if isinstance(top.scene, str) else path.name, varied, origin)
 
 
@@ -243,6 +269,12 @@ def _records(file: Path) -> dict[str, Any]:
     return table | {key: str(file.parent.resolve() / table[key]) for key in ("folder",) if key in table}
 
 
+def _ranges(scene: Scene) -> dict[str, tuple[float, float]]:
+    """The ranges of the kind of masonry of a scene, by key."""
+    masonry = scene.material.masonry
+    return {} if masonry is None else {f"{MASONRY}{name}": (one.least, one.largest) for name, one in masonry.ranges().items()}
+
+
 def _study_text(path: Path) -> str:
     """The text of the file."""
     if not path.exists():
@@ -266,6 +298,7 @@ def _check_design(top: StudyTables) -> None:
     levels = intensity is not None and intensity.levels is not None
     needs = {
         "sample": [("samples", top.samples is not None), ("vary", bool(top.vary))],
+        "calibrate": [("samples", top.samples is not None), ("vary", bool(top.vary)), ("observations", bool(top.observations))],
         "stripes": [("intensity.levels", levels), ("records", top.records is not None)],
         "cloud": [("records", top.records is not None)],
         "ida": [("records", top.records is not None), ("intensity", intensity is not None), ("ida", top.ida is not None)],
@@ -273,9 +306,11 @@ def _check_design(top: StudyTables) -> None:
     for key, there in needs.get(design, []):
         if not there:
             raise InputError(key, f'missing, the design "{design}" needs it')
-    for key, owner in (("samples", "sample"), ("ida", "ida"), ("ensemble", "ensemble")):
-        if getattr(top, key) is not None and design != owner:
-            raise InputError(key, f'belongs to the design "{owner}", and this one is "{design}"')
+    for key, owners in OWNERS.items():
+        if getattr(top, key) and design not in owners:
+            raise InputError(key, f'belongs to the design "{owners[0]}", and this one is "{design}"')
+    if top.limit_states and design == "calibrate":
+        raise InputError("limit_states", "a calibration asks none; [[observations]] has quantities of a run")
     if levels and design in ("ida", "cloud", "ensemble"):
         raise InputError("intensity.levels", f'the design "{design}" takes none')
     if design not in CLOUDS:

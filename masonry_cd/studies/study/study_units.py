@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
+from masonry_cd.analysis.calibration.observations import unit_of
 from masonry_cd.analysis.fragility import measures
 from masonry_cd.analysis.outputs import STUDY, units_in
 from masonry_cd.foundation.errors import values_in_si
@@ -36,6 +37,8 @@ def study_in_si(tables: Mapping[str, Any], unit_of_key: Callable[[str], str]) ->
     for name, keys in (("intensity", ("levels",)), ("ida", ("start", "step"))):
         if isinstance(tables.get(name), Mapping):
             made[name] = {k: values_in_si(v, unit, f"{name}.{k}") if k in keys else v for k, v in tables[name].items()}
+    if isinstance(tables.get("observations"), list):
+        made["observations"] = [_observation(table, f"observations[{i}]") for i, table in enumerate(tables["observations"])]
     if isinstance(tables.get("limit_states"), Mapping):
         made["limit_states"] = {name: _limit_state(table, f"limit_states.{name}") for name, table in tables["limit_states"].items()}
     return made
@@ -57,6 +60,17 @@ def varied_in_si(varied: Iterable[tuple[str, Any]], unit_of_key: Callable[[str],
             yield key, {k: v if k in PURE else values_in_si(v, unit, f"{where}.{k}") for k, v in given.items()}
         else:
             yield key, values_in_si(given, unit, where)
+
+
+def _observation(table: Any, where: str) -> Any:
+    """An observation with its value and its bounds as numbers."""
+    if not isinstance(table, Mapping):
+        return table
+
+    def of(key: str) -> Callable[[], str]:
+        return lambda: "m" if key == "above" else unit_of(table)
+
+    return {k: values_in_si(v, of(k), f"{where}.{k}") if k in ("value", "error", "above") else v for k, v in table.items()}
 
 
 def _limit_state(table: Any, where: str) -> Any:

@@ -27,7 +27,7 @@ def write_table(folder: Path, plan: Plan, rows: Rows) -> None:
     columns = _columns(ended, maker, rows)
     cells = [_row(run, maker, rows[run.name]) for run in ended]
     write_csv(folder / CSV, columns, ([row.get(name) for name in columns] for row in cells))
-    _write_parquet(folder / PARQUET, {name: [row.get(name) for row in cells] for name in columns})
+    write_parquet(folder / PARQUET, {name: [row.get(name) for row in cells] for name in columns})
 
 
 def _columns(runs: Sequence[Planned], maker: Maker, rows: Rows) -> list[str]:
@@ -47,7 +47,7 @@ def _row(run: Planned, maker: Maker, row: RunRow) -> dict[str, Any]:
     return found | dict(asked.values) | maker.measures(asked)
 
 
-def _write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
+def write_parquet(path: Path, columns: Mapping[str, list[Any]]) -> None:
     """Write columns as Parquet; one of several kinds of values as text."""
     import pyarrow
     from pyarrow import parquet

@@ -14,7 +14,7 @@ import os
 import shutil
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -67,14 +67,18 @@ class Outcome:
     reference: bytes | None = None  # the result file
 
 
-def run_task(task: Task) -> Outcome:
-    """Make a run. Whatever goes wrong in it becomes a row."""
+Make = Callable[[Task, Path], tuple[RunRow, dict[str, Any] | None]]
+"""Makes what a task asks for in a folder: a row, and arrays of joints where it was a run."""
+
+
+def run_task(task: Task, make: Make | None = None) -> Outcome:
+    """Make a run, or what else ``make`` does. Whatever goes wrong in it becomes a row."""
     begin = time.perf_counter()
     with TemporaryDirectory(prefix="masonry-cd-", dir=_scratch()) as scratch:
         folder = Path(scratch) / "run"
         joints, reference = None, None
         try:
-            row, joints = _run(task, folder) if task.asks == "run" else (_analysed(task), None)
+            row, joints = (make or (run_scene if task.asks == "run" else _analysed))(task, folder)
             if joints is not None:
                 reference = (folder / RESULTS).read_bytes() if task.reference else None
                 _keep(task, folder)
@@ -88,7 +92,7 @@ def run_task(task: Task) -> Outcome:
     return Outcome(task.name, replace(row, seconds=seconds, worker=worker), joints, reference)
 
 
-def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
+def run_scene(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     """Run the scene; the row, and the arrays of its joints."""
     from masonry_cd.app.case import prepare
     from masonry_cd.app.run_case import run_case
@@ -98,7 +102,7 @@ def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     scene = scene_of_run(dict(task.tables))
     case = prepare(scene, _structure(task, scene))
     set_up, processor = time.perf_counter() - begin, time.process_time()
-    summary = run_case(case, folder, limit=task.timeout)
+    summary = run_case(case, folder, limit=task.timeout, pictures=task.keep == "all")
     ended, processor = time.perf_counter(), time.process_time() - processor
     if summary.timed_out:  # at which step that was says more of the machine than of the run
         return RunRow(TIMEOUT, f"out of time, {task.timeout:g} s"), None
@@ -111,12 +115,12 @@ def _run(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     return RunRow(DONE, numbers=found, parts=parts, timing=timing, doubt=doubt), joints
 
 
-def _analysed(task: Task) -> RunRow:
+def _analysed(task: Task, _: Path) -> tuple[RunRow, None]:
     """The row of a limit analysis."""
     from masonry_cd.studies.study.checks import scene_of_run
     from masonry_cd.studies.study.limit_runs import limit_row
 
-    return RunRow(DONE, limit=limit_row(scene_of_run(dict(task.tables))))
+    return RunRow(DONE, limit=limit_row(scene_of_run(dict(task.tables)))), None
 
 
 _structures: dict[str, Any] = {}  # of this worker, by the tables that they are made of

@@ -13,7 +13,8 @@ Distributions are drawn by their quantiles, x = F^-1(u):
     lognormal    median exp(beta z)
 
 With ``low`` or ``high`` the last two are truncated: u then runs from F(low) to F(high). Keys of a ``[[correlation]]`` share a Gaussian
-copula: z = L w with L L^T = R, R one on its diagonal and rho elsewhere.
+copula: z = L w with L L^T = R, R one on its diagonal and rho elsewhere. A uniform one without bounds has the range that the kind of masonry
+has for its key. ``from = "posterior.parquet"`` draws rows of a table by their weights: all its keys together.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -28,8 +30,10 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Count, Number, Table
+from masonry_cd.foundation.files import read_bytes
 from masonry_cd.studies.study.study_units import varied_in_si
 
+FROM, WEIGHT = "from", "weight"  # key of [vary] that names a table of samples, and the column of their weights
 FAR = 1e-6  # quantile that stands for the end of a distribution without bounds
 NEEDED = {"uniform": ("low", "high"), "normal": ("mean", "std"), "lognormal": ("median", "beta")}
 ENDS = {"distribution", "from", "to", "count"}  # keys of what varies, which distinguish it from a table of such
@@ -128,6 +132,26 @@ class Distribution(Table):
         return math.log(x / self.median) / self.beta if x > 0.0 else -math.inf
 
 
+class Samples(Table):
+    """A random number that is one of N samples."""
+
+    values: tuple[float, ...]
+    """Numbers of the samples."""
+    below: tuple[float, ...]
+    """Weight of each and all before it, up to 1."""
+
+    def quantile(self, u: float) -> float:
+        """The sample at which a share ``u`` of all draws ends."""
+        return self.values[min(int(np.searchsorted(self.below, u)), len(self.values) - 1)]
+
+    def extremes(self) -> tuple[float, float]:
+        """The least and the largest."""
+        return min(self.values), max(self.values)
+
+
+Random = Distribution | Samples
+
+
 class Correlation(Table):
     """Keys of ``[vary]`` that vary together."""
 
@@ -140,8 +164,9 @@ class Correlation(Table):
 class Varied:
     """All that varies: ``lists`` by key, and ``random`` by key."""
 
-    def __init__(self, lists: Mapping[str, list[Any]], random: Mapping[str, Distribution], correlations: Sequence[Correlation]) -> None:
+    def __init__(self, lists: Mapping[str, list[Any]], random: Mapping[str, Random], correlations: Sequence[Correlation]) -> None:
         self.lists, self.random = dict(lists), dict(random)
+        self._together = [place for place, one in enumerate(self.random.values()) if isinstance(one, Samples)]
         self._correlations = [(tuple(self.keys.index(key) for key in group.keys), _factor(group)) for group in correlations]
 
     @property
@@ -154,6 +179,11 @@ class Varied:
         """All keys."""
         return [*self.lists, *self.random]
 
+    @property
+    def follow(self) -> list[int]:
+        """Places of distributions that follow another one: keys of one table of samples the first of them."""
+        return self._together[1:]
+
     def draw(self, u: np.ndarray) -> dict[str, float]:
         """A value for each distribution, from independent numbers (d,) between 0 and 1."""
         from scipy.special import ndtr, ndtri
@@ -162,6 +192,7 @@ class Varied:
         for places, factor in self._correlations:
             own = list(places)
             u[own] = ndtr(np.sum(factor * ndtri(u[own])[None, :], axis=1))
+        u[self.follow] = u[self._together[:1]]
         return {key: self.random[key].quantile(float(value)) for key, value in zip(self.keys, u, strict=True)}
 
 
@@ -173,27 +204,41 @@ def _factor(group: Correlation) -> np.ndarray:
     return np.linalg.cholesky(np.full((n, n), group.rho) + (1.0 - group.rho) * np.eye(n))
 
 
-def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation], unit_of_key: Callable[[str], str] = lambda _: "") -> Varied:
+def read_varied(
+    table: Mapping[str, Any],
+    correlations: Sequence[Correlation],
+    unit_of_key: Callable[[str], str] = lambda _: "",
+    folder: Path = Path(),
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> Varied:
     """Read ``[vary]``.
 
     Args:
         table: as it stands in the file.
         correlations: between its keys.
         unit_of_key: of the scene, for values that are texts with a unit.
+        folder: in which a table of samples is.
+        ranges: by key of the scene, of the masonry's kind, where a uniform distribution has no bounds.
 
     Raises:
         InputError: names the key as ``vary.KEY``.
     """
     lists: dict[str, list[Any]] = {}
-    random: dict[str, Distribution] = {}
-    for key, given in varied_in_si(_flat(table), unit_of_key):
+    random: dict[str, Random] = {}
+    if FROM in table:
+        random |= _samples(table[FROM], folder)
+    for key, given in varied_in_si(_flat({key: given for key, given in table.items() if key != FROM}), unit_of_key):
         where = f'vary."{key}"'
+        if key in random:
+            raise InputError(where, f"the table of vary.{FROM} has it, too")
         if isinstance(given, list):
             if not given:
                 raise InputError(where, "an empty list")
             lists[key] = given
         elif isinstance(given, Mapping) and "distribution" in given:
-            random[key] = parse_table(Distribution, given, where)
+            unbound = given["distribution"] == "uniform" and not {"low", "high"} & given.keys()
+            own = dict(zip(("low", "high"), (ranges or {})[key], strict=True)) if unbound and key in (ranges or {}) else {}
+            random[key] = parse_table(Distribution, {**given, **own}, where)
         elif isinstance(given, Mapping):
             even = parse_table(Even, given, where)
             whole = all(isinstance(given[end], int) for end in ("from", "to")) and all(v == round(v) for v in even.values())
@@ -202,12 +247,39 @@ def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation], u
             raise InputError(where, 'should be a list, { from, to, count } or { distribution = "lognormal", ... }')
     for i, group in enumerate(correlations):
         for key in group.keys:
-            if key not in random:
+            if not isinstance(random.get(key), Distribution):
                 raise InputError(f"correlation[{i}].keys", f'"{key}" is no distribution of [vary]{suggest(key, random)}')
     named = [key for group in correlations for key in group.keys]
     if len(set(named)) < len(named):
         raise InputError("correlation", "a key is named twice")
     return Varied(lists, random, correlations)
+
+
+def _samples(name: object, folder: Path) -> dict[str, Random]:
+    """The keys of a table of samples, Parquet or CSV, with their values and weights.
+
+    Raises:
+        InputError: no such table, or one without weights or with what is no number.
+    """
+    from pyarrow import ArrowInvalid, BufferReader, csv, parquet
+
+    where = f"vary.{FROM}"
+    if not isinstance(name, str):
+        raise InputError(where, 'should be a file, "posterior.parquet"')
+    path = folder / name
+    try:
+        content = BufferReader(read_bytes(path))
+        table = csv.read_csv(content) if path.suffix == ".csv" else parquet.read_table(content)
+        columns = {key: np.array(table[key].to_pylist(), dtype=float) for key in table.column_names}
+    except (OSError, ArrowInvalid, ValueError, TypeError) as failure:
+        raise InputError(where, f"{path}: no table of samples that can be read: {failure}") from None
+    weight = columns.pop(WEIGHT, np.zeros(0))
+    if not (len(weight) and columns and (weight >= 0.0).all() and 0.0 < weight.sum() < math.inf):
+        raise InputError(where, f'{path}: should have keys of the scene as columns, and a column "{WEIGHT}" of numbers from 0')
+    if not all(np.isfinite(values).all() for values in columns.values()):
+        raise InputError(where, f"{path}: has a value that is no number")
+    below = tuple((np.cumsum(weight) / weight.sum()).tolist())
+    return {key: Samples(values=tuple(values.tolist()), below=below) for key, values in columns.items()}
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:

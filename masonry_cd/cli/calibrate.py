@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``masonry-cd calibrate``: which values of a model explain what was observed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from masonry_cd.app.result import Result, said
+from masonry_cd.cli.printing import warn
+from masonry_cd.cli.shared import Force, Output, Quiet, Trust
+
+
+def calibrate(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file with [[observations]] (TOML).", show_default=False)],
+    output: Output,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
+    ] = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
+    slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Make samples again that failed or ran out of time.")] = False,
+    plan: Annotated[bool, typer.Option("--plan", help="Check the study, say how many samples there are at most, and make none.")] = False,
+    force: Force = False,
+    quiet: Quiet = False,
+    trust: Trust = False,
+) -> Result[Any]:
+    """Find which values of a model explain what was observed of a building: frequencies, mode shapes, cracks, drifts, fallen blocks.
+
+    STUDY is a study file with design = "calibrate": [vary] says what was thought possible before, [[observations]] what was observed and
+    how surely. Samples are made round by round, each where the last ones were likely, and weighed. DIR gets ranges, correlations and
+    predictions in calibrate.json, the page calibrate.html, and posterior.parquet, which [vary] of another study takes by from. Too few
+    effective samples are no answer: exit code 1. The same command again continues where the last one ended.
+
+    \b
+    Examples:
+      masonry-cd calibrate tower.toml -o out/tower
+      masonry-cd calibrate tower.toml -o out/tower --workers 2
+    """
+    from masonry_cd.studies.calibrate import command
+    from masonry_cd.studies.calibrate.plan import Calibration
+    from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.studies.study.study_file import read_study
+
+    made = Calibration.of(read_study(study))
+    where = command.Sampling(made).plan.where(workers, scheduler, slurm)
+    if plan:
+        return Result(None, [made.line])
+    return command.calibrate(made, output, Options(where, retry, force, quiet=quiet, warn=warn), said(not quiet))
