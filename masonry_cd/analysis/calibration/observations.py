@@ -51,8 +51,8 @@ class Observation(Table):
     """A table ``[[observations]]``."""
 
     what: Literal["frequency", "mode_shape", "gauge", "open", "fallen", "quantity", "history"]
-    """Kind: a natural frequency; a mode shape; a displacement, crack width or force of a gauge; a joint that is open or not; blocks that have
-    fallen or not; a column of runs.csv, such as a drift; a measured history of a gauge."""
+    """Kind: a natural frequency; a mode shape; a displacement, crack width or force of a gauge; a joint that is open or not; blocks that
+    have fallen or not; a column of runs.csv, such as a drift; a measured history of a gauge."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
     """Name in tables and pictures; made of the other keys when not given."""
     value: Number | Flag | None = None
