@@ -53,6 +53,7 @@ def _scene() -> str:
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
     parts += _section("[material]", tables["material"])
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
+    parts += _section("[[ground]]", tables["ground"]["items"])
     parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"]), *_section("[hazard]", tables["hazard"]), *_section("[assess]", tables["assess"])]
     parts += [*_section("[strengthen]", tables["strengthen"]), *_section("[output]", tables["output"])]

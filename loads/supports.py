@@ -24,6 +24,8 @@ from masonry_cd.foundation.fields import Instant
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 
+NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
+
 
 def _names(value: object) -> tuple[str, ...] | None:
     """One name or a list of names."""
@@ -131,7 +133,7 @@ def one_block(name: str, assembly: Assembly, where: str) -> int:
 
 
 def select_supports(names: Sequence[str] | None, grid: RunGrid, where: str) -> np.ndarray:
-    """Mask (B,) of the supports named, see :func:`select`; of all supports when names is None.
+    """Mask (B,) of the supports named, see :func:`select`, and of those below footings named; of all supports when names is None.
 
     Raises:
         InputError: a name that fits no block, or none that is fixed.
@@ -141,10 +143,22 @@ def select_supports(names: Sequence[str] | None, grid: RunGrid, where: str) -> n
         return assembly.fixed.copy()
     mask = np.zeros(assembly.count, dtype=bool)
     for name in names:
-        found = select([name], assembly, where) & assembly.fixed
+        found = select([name], assembly, where)
+        found = (found if assembly.footings is None else assembly.footings.of_blocks(found)) & assembly.fixed
         if not found.any():
             fixed = [assembly.names[b] for b in np.flatnonzero(assembly.fixed)]
             some = ", ".join(fixed[:8]) + (" ..." if len(fixed) > 8 else "")
             raise InputError(where, f'"{name}" is not fixed; supports: {some}')
         mask |= found
     return mask
+
+
+def bearing(assembly: Assembly) -> np.ndarray:
+    """(B,) bool: supports whose box meets that of a free block; all supports where none does."""
+    low, high = (np.array([getattr(block.vertices, end)(axis=0) for block in assembly.blocks]) for end in ("min", "max"))
+    near = NEAR * float((high - low).max())
+    free, fixed = ~assembly.fixed, np.flatnonzero(assembly.fixed)
+    meets = [bool(((low[free] <= high[s] + near) & (high[free] >= low[s] - near)).all(axis=1).any()) for s in fixed]
+    out = np.zeros(len(low), dtype=bool)
+    out[fixed] = meets if any(meets) else True
+    return out

@@ -26,12 +26,11 @@ from pydantic import Field
 
 from loads.acted import Acted, over_time
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid, Static, lifts
-from loads.supports import Names, NeededNames, select_supports, structure
+from loads.supports import Names, NeededNames, bearing, select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
 from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.foundation.units import Unit, Usual
-from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.usual import LENGTHS
 
 FEWEST_STEPS = 10  # of the run in a pulse
@@ -41,7 +40,6 @@ MOVED = (
     Usual(0.0, 1.0, "supports that part by more than the depth of a joint leave what stood on it without a bearing", LENGTHS, "joints"),
     Usual(0.0, 0.5, "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?", over="duration"),
 )
-NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
 class SpreadingTable(LoadTable):
@@ -97,26 +95,15 @@ def _sinking(table: SettlementTable, grid: RunGrid, where: str) -> np.ndarray:
 
 def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]:
     """A warning where a settlement leaves no support behind on which something stands, so that the structure moves as a whole."""
-    bearing = _bearing(structure(grid, where))
-    count = int(bearing.sum())
-    if not moving[bearing].all():
+    bears = bearing(structure(grid, where))
+    count = int(bears.sum())
+    if not moving[bears].all():
         return ()
     which = "the only support" if count == 1 else f"all {count} supports alike"
     return (
         f"{where} the settlement moves {which}, so the structure goes down as a whole and is not strained; "
         'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be named',
     )
-
-
-def _bearing(assembly: Assembly) -> np.ndarray:
-    """(B,) bool: supports whose box meets that of a free block; all supports where none does."""
-    low, high = (np.array([getattr(block.vertices, end)(axis=0) for block in assembly.blocks]) for end in ("min", "max"))
-    near = NEAR * float((high - low).max())
-    free, fixed = ~assembly.fixed, np.flatnonzero(assembly.fixed)
-    meets = [bool(((low[free] <= high[s] + near) & (high[free] >= low[s] - near)).all(axis=1).any()) for s in fixed]
-    out = np.zeros(len(low), dtype=bool)
-    out[fixed] = meets if any(meets) else True
-    return out
 
 
 def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:

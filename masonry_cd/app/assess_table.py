@@ -13,7 +13,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.friction import ROUGHEST
 from masonry_cd.mechanics.model.usual import DAMPING, FRICTION, YOUNG
 
-STRUCTURAL = ("joint stiffness", "friction", "block size", "bond")
+STRUCTURAL = ("joint stiffness", "friction", "block size", "bond", "soil stiffness")
 NUMERICAL = ("damping", "joint points", "time step", "tolerance")
 Modulus = Annotated[Number, Unit("Pa"), YOUNG, Field(gt=0)]
 _RANGE = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": ROUGHEST}, "minItems": 2, "maxItems": 2}
@@ -46,7 +46,7 @@ class AssessTable(Table):
     members: Annotated[Count, Field(ge=3, le=1000)] = 8
     """Members of the ensemble that shows the effect of chance."""
     leave_out: Annotated[tuple[str, ...], Field(strict=False, json_schema_extra=_or_one_of)] = ()
-    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "damping",
+    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "soil stiffness", "damping",
     "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
 
     @field_validator("friction", mode="before")

@@ -20,12 +20,12 @@ from masonry_cd.app.doubts import doubts, structure_doubts
 from masonry_cd.app.output_gauges import gauges_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.staying_support import refuse_turning
+from masonry_cd.app.until_still import still_speed, until_still
 from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.foundation.errors import Fault, InputError, in_plain_words
 from masonry_cd.foundation.jit import lost
 from masonry_cd.io.gauges import Gauges, GuideGauge
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
-from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from structures.ties import Bar
 
 REPORTED = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
-CORNERS = 4.0  # contacts of a joint
 IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
@@ -152,6 +151,21 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
         return Structure(blocks, notes, bars, replace(assembly, links=links_of(scene.links, assembly)))
 
 
+def on_ground(scene: Scene, structure: Structure) -> Structure:
+    """A structure whose supports stand on the ground of its scene.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    from masonry_cd.app.ground import footings_of, founded, founded_blocks
+
+    with scene.locating():
+        made = footings_of(scene.ground, structure.assembly)
+        notes = (*structure.notes, *(one.line for one in made))
+        whole = assembled(scene, founded_blocks(structure.blocks, made), notes, structure.bars)
+        return replace(whole, assembly=founded(whole.assembly, made), fills=structure.fills)
+
+
 def make_structures(scene: Scene) -> Made:
     """Make the structures of a scene.
 
@@ -203,6 +217,9 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     begin = time.perf_counter()
     scene.refuse_static()
     structure = structure or structure_of(scene)
+    built = structure
+    if scene.ground:
+        structure = on_ground(scene, built)
     scene, lasting = _timed(scene, structure)
     events = _events(scene) if scene.events else ()
     with scene.locating(), _explained(scene, structure):
@@ -235,14 +252,14 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
         assembly, loading = _before_events(scene, events, assembly, loading)
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
     with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
-        joints, built = structure.joints, structure.built_gap
+        joints, widest = structure.joints, structure.built_gap
     assembly, damping = _damped(scene, assembly, plane)
     failure = lost()
     if failure is not None:
         _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = [*structure.falling, *structure.leaning] if gravity else []
+    falling = [*built.falling, *built.leaning] if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     thrown = [RESTITUTION] if assembly.restitution.any() else []
@@ -250,11 +267,11 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
     aside = (*stands_in, *_beyond_machine(scene.run.threads))
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
     notes = (*structure.notes, *masonry, *damping, *lasting)
-    if built > REPORTED * assembly.width:
-        notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
-    still = _still_speed(scene.run, joints)
+    if widest > REPORTED * assembly.width:
+        notes = (*notes, f"joints as built have gaps or overlaps of up to {widest:.2g} m, which count as none")
+    still = still_speed(scene.run, joints)
     with scene.locating():
-        loading = _until_still(scene, loading, still)
+        loading = until_still(scene, loading, still)
     with scene.locating():
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
         refuse_turning(gauges, assembly, loading.support_velocity, scene.run.dt, joints)
@@ -267,7 +284,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part
             notes = (*notes, *check_events(events, first, scene.run, gauges, joints))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
-        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, built, seconds, gauges,
+        scene, assembly, joints, loading, steps, still, notes, doubtful, tuple(coarse), aside, widest, seconds, gauges,
         structure.fills, events,
     )  # fmt: skip
 
@@ -352,31 +369,6 @@ def _damped(scene: Scene, assembly: Assembly, plane: Plane | None) -> tuple[Asse
 @cache
 def _say_once(line: str) -> None:
     print(f"masonry-cd: warning: {line}", file=sys.stderr, flush=True)
-
-
-def _still_speed(settings: Run, joints: Joints) -> float:
-    """Below which a block counts as still at the end of a run: STILL, or what the tolerance resolves, should that be more [m/s]."""
-    return max(
-        STILL, time_step_checks.resolved_speed(settings.tolerance, math.hypot(*settings.gravity), settings.dt, CORNERS * joints.count)
-    )
-
-
-def _until_still(scene: Scene, loading: Loading, still: float) -> Loading:
-    """The loads, with a rest behind them where the run is to go on until its blocks are still.
-
-    Raises:
-        InputError: that is asked for, and the base still moves when the duration ends.
-    """
-    from loads.rest import base_moves_at_end, with_rest
-
-    settings = scene.run
-    if not scene.until_still:
-        return loading
-    if base_moves_at_end(loading):
-        if settings.until_still:
-            raise InputError("run.until_still", f"the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
-        return loading
-    return with_rest(loading, settings.most_steps - settings.steps, still, max(1, math.ceil(HOLD / settings.dt)))
 
 
 def _beyond_machine(threads: int | None) -> list[str]:

@@ -169,6 +169,7 @@ def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
         assembly = without(assembly, change.add, f"{where}.add", gone=False)
     if change.release:
         chosen = select(change.release, assembly, f"{where}.release")
+        _keep_footings(chosen, assembly, f"{where}.release")
         loose = np.flatnonzero(chosen & ~np.array([block.fixed for block in assembly.blocks]))
         if len(loose):
             raise InputError(f"{where}.release", f'"{assembly.names[loose[0]]}" is no support')
@@ -188,12 +189,21 @@ def without(assembly: Assembly, names: Sequence[str], where: str, gone: bool = T
 
 def _without(assembly: Assembly, chosen: np.ndarray, where: str, gone: bool = True) -> Assembly:
     """The blocks of which those chosen, (B,) bool, are not there, or are there again."""
+    _keep_footings(chosen, assembly, where)
     stuck = np.flatnonzero(chosen & assembly.fixed)
     if len(stuck):
         name = assembly.names[stuck[0]]
         raise InputError(where, f'"{name}" is a support, and only free blocks come and go; release = "{name}" makes it a free block')
     absent = np.where(chosen, gone, False if assembly.absent is None else assembly.absent)
     return replace(assembly, absent=absent if absent.any() else None)
+
+
+def _keep_footings(chosen: np.ndarray, assembly: Assembly, where: str) -> None:
+    """Refuse changes of blocks chosen, (B,) bool, that stand on the ground or for it."""
+    footings = assembly.footings
+    held = np.zeros(0, dtype=int) if footings is None else footings.blocks[chosen[footings.blocks].any(axis=1), 0]
+    if len(held):
+        raise InputError(where, f'"{assembly.names[held[0]]}" stands on [[ground]], and a footing neither comes, goes nor lets go')
 
 
 def _with_laws(assembly: Assembly, material: Material) -> Assembly:

@@ -110,7 +110,7 @@ def limit_bracket(case: Case) -> LimitBracket | None:
 
     scene, assembly, forces = case.scene, case.assembly, case.loading.forces
     filled = any(block.carried is not None for block in assembly.blocks)  # what fill presses and resists with is not among these loads
-    if assembly.count > FEW or filled or assembly.links or not assembly.fixed.any():
+    if assembly.count > FEW or filled or assembly.links or assembly.footings is not None or not assembly.fixed.any():
         return None
     if _patterns(case) not in (["push"], ["tilt"]):
         return None

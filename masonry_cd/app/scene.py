@@ -7,6 +7,7 @@
     [material]   density, friction
     [[loads]]    kind = "sinusoidal"  # checked by loads
     [[links]]    kind, blocks ...     # optional: hinges, sliders and rigid links
+    [[ground]]   shear_wave_velocity ...  # optional: supports on springs and dashpots of the soil
     [run]        dt, duration ...
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
@@ -40,6 +41,7 @@ from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, p
 from masonry_cd.foundation.errors import Fault, Faults, InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.ground_table import GroundTable
 from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
@@ -70,6 +72,8 @@ class SceneTables(Table):
     """Loads, [[loads]] each; they add up. Gravity acts in full without one."""
     links: list[dict[str, Any]] = Field(default_factory=list)
     """Hinges, sliders and rigid links between two blocks, [[links]] each, in the place of whatever joint these have."""
+    ground: list[dict[str, Any]] = Field(default_factory=list)
+    """Soil below supports, [[ground]] each: they become footings on its springs and dashpots. Supports move as prescribed without one."""
     run: dict[str, Any] | None = None
     """How it is computed. A scene with [limit] needs none for limit analysis, which has no time step."""
     report: dict[str, Any] = Field(default_factory=dict)
@@ -110,11 +114,12 @@ class SceneTables(Table):
             raise ValueError("should be a table of its own")
         return value
 
-    @field_validator("loads", "structures", "events", "links", mode="before")
+    @field_validator("loads", "structures", "events", "links", "ground", mode="before")
     @classmethod
     def _is_list_of_tables(cls, value: object, info: ValidationInfo) -> object:
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
-            raise ValueError(f"every {(info.field_name or '').removesuffix('s')} is a table of its own, headed [[{info.field_name}]]")
+            one = "soil" if info.field_name == "ground" else (info.field_name or "").removesuffix("s")
+            raise ValueError(f"every {one} is a table of its own, headed [[{info.field_name}]]")
         return value
 
 
@@ -181,6 +186,7 @@ class Scene:
     output: OutputTable = field(default_factory=OutputTable)
     events: tuple[dict[str, Any], ...] = ()  # checked by app/events.py
     links: tuple[LinkTable, ...] = ()
+    ground: tuple[GroundTable, ...] = ()
     static: bool = False  # there is no [run]: for limit analysis, modal analysis and pictures alone
 
     @property
@@ -230,7 +236,7 @@ class Scene:
             raise InputError(self.origin.path, "run: missing: a run needs dt and duration; masonry-cd limit takes this scene as it is")
 
     def refuse_tables(self, what: str, *tables: str) -> None:
-        """Refuse a scene with ``links`` or ``events`` where something, such as "limit analysis", knows none.
+        """Refuse a scene with ``links``, ``events`` or ``ground`` where something, such as "limit analysis", knows none.
 
         Raises:
             InputError: there are some.
@@ -311,9 +317,14 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         if top.hazard is not None:
             with faults.of():
                 read["hazard"] = parse_table(HazardTable, top.hazard, "hazard")
-        for i, table in enumerate(top.links):
-            with faults.of():
-                read["links"] = (*read.get("links", ()), parse_table(LinkTable, table, f"links[{i}]"))
+        several: Sequence[tuple[str, type[Table], list[dict[str, Any]]]] = (
+            ("links", LinkTable, top.links),
+            ("ground", GroundTable, top.ground),
+        )
+        for name, each, tables_of in several:
+            for i, table in enumerate(tables_of):
+                with faults.of():
+                    read[name] = (*read.get(name, ()), parse_table(each, table, f"{name}[{i}]"))
         faults.refuse()
     return Scene(
         title=top.title or path.stem,

@@ -19,6 +19,7 @@ from masonry_cd.app.scene import SceneTables
 from masonry_cd.foundation.plugins import load, names
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.ground_table import GroundTable
 from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
@@ -44,6 +45,7 @@ def scene_schema() -> Schema:
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in loads]}
     keys["events"]["items"] = table_schema(EventTable)
     keys["links"]["items"] = table_schema(LinkTable)
+    keys["ground"]["items"] = table_schema(GroundTable)
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
     keys["report"] |= table_schema(Report)

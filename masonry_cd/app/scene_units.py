@@ -21,6 +21,7 @@ from masonry_cd.foundation.errors import InputError, table_in_si
 from masonry_cd.foundation.plugins import find
 from masonry_cd.foundation.units import Key, declared_at, usual_keys
 from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.ground_table import GroundTable
 from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
@@ -82,7 +83,7 @@ def _models(name: str, table: Mapping[str, Any], folder: Path | None = None) -> 
         return (StrengthenTable,)
     one: dict[str, type[BaseModel]] = {
         "material": Material, "run": Run, "report": Report, "assess": AssessTable, "output": OutputTable, "links": LinkTable,
-        "hazard": HazardTable,
+        "hazard": HazardTable, "ground": GroundTable,
     }  # fmt: skip
     return (one[name],) if name in one else ()
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
-from masonry_cd.mechanics.model.block_forces import Acting
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,15 +96,17 @@ def _relative_velocity(stepper: Stepper, made: StepProblem) -> np.ndarray:
 def reactions_of(stepper: Stepper, contacts: Contacts) -> np.ndarray:
     """Force [N] and moment [N m] of each support on what it carries, (B, 6), zero for free blocks; means over the last step.
 
-    Moments are about the centre of mass of the support. Ties that end at a support take part.
+    Moments are about the centre of mass of the support. Ties that end at a support take part, and springs on which a footing stands.
     """
     made, fixed = stepper.last, stepper.assembly.fixed
     if made is None:
         return np.zeros((len(fixed), 6))
     taken = contacts.wrenches(made.predicted.state.position)
-    acting: Acting | None = made.predicted.acting
+    acting, founded = made.predicted.acting, made.predicted.founded
     if acting is not None:
         taken += acting.wrench(len(fixed))
+    if founded is not None:
+        taken -= founded.reactions(stepper.motion.v, len(fixed)) / (stepper.motion.span * stepper.settings.dt)
     if stepper.assembly.links_there:
         np.add.at(taken, np.array([link.blocks for link in stepper.assembly.links_there]), _link_wrenches(stepper, made))
     return np.where(fixed[:, None], -taken, 0.0)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +11,8 @@ import typer
 
 from masonry_cd.app.result import Result
 from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import finite_number
 
 
 def modal(
@@ -52,7 +55,6 @@ def modal(
         from masonry_cd.studies.vibration import vibration
 
         return vibration(asked, {"modes": modes, "sweep": sweep, "velocity": velocity}, output, force)
-    from masonry_cd.app.commands.modal import by_group
     from masonry_cd.app.commands.modal import modal as command
 
     options = {
@@ -61,3 +63,24 @@ def modal(
         "fit": fit, "pictures": pictures,
     }  # fmt: skip
     return command(asked, options, output, force)
+
+
+def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | str]:
+    """Parse what the command line gives for one value, ``3e9`` or "3 GPa", or for several groups, ``pier=4e9 default=2e9``.
+
+    Raises:
+        InputError: several values of which one names no group.
+    """
+    pairs = [text.partition("=") for text in texts]
+    if len(pairs) == 1 and not pairs[0][1]:
+        return _number_or_text(pairs[0][0])
+    wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
+    if wrong is not None:
+        raise InputError(f"modal.{key}", f"write one value, or GROUP=VALUE for each group, got {wrong!r}")
+    return {group: _number_or_text(value) for group, _, value in pairs}
+
+
+def _number_or_text(text: str) -> float | str:
+    """A number, or what may be one with a unit."""
+    number = finite_number(text)
+    return text if number is None else number

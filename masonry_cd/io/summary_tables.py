@@ -97,6 +97,8 @@ class Energy(SummaryTable):
     damping: Annotated[Joules, "lost to damping"] = 0.0
     bond: Annotated[Joules, "taken by bonds that soften"] = 0.0
     crushing: Annotated[Joules, "dissipated where joints crush"] = 0.0
+    ground: Annotated[Joules, "energy in springs of the ground below footings"] = 0.0
+    radiation: Annotated[Joules, "taken by the dashpots of that ground"] = 0.0
     base_work: Annotated[Joules, "work of the supports"] = 0.0
     gravity_work: Annotated[Joules, "work of gravity and of what pulls at all blocks alike"] = 0.0
     force_work: Annotated[Joules, "work of forces on blocks"] = 0.0

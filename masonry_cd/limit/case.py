@@ -316,6 +316,8 @@ def _notes_on_structure(structure: LimitStructure) -> list[str]:
     """Values that are likely in another unit, contacts and gaps that count as none, laws that limit analysis does not know."""
     assembly, scene, check = structure.assembly, structure.scene, structure.asked.check
     notes = doubts(scene, assembly, structure.joints)
+    if scene.ground:
+        notes.append("[[ground]]: limit analysis is of supports that do not yield")
     if check is not None and check.record is not None:
         notes += check_doubts(scene, check.record)
     if loose := loose_contacts(assembly):

@@ -128,7 +128,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     asked = parse_table(VibrationOptions, options, "modal")
     free_folder(folder, OUTPUTS, force)
     scene.refuse_static()
-    scene.refuse_tables("the modal check", "links", "events")
+    scene.refuse_tables("the modal check", "links", "events", "ground")
     blocks = make_structures(scene).blocks
     with scene.locating():
         refuse_spheres(blocks, "structure", "the modal check")

@@ -15,8 +15,9 @@ from hostile import refused_at
 from models import wall
 
 import masonry_cd as mc
-from masonry_cd.app.commands.modal import ModalOptions, by_group, modal
+from masonry_cd.app.commands.modal import ModalOptions, modal
 from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.modal import by_group
 from masonry_cd.foundation.errors import parse_table
 
 ARCH = """\

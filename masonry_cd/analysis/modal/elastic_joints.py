@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -21,6 +22,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.components import connected_components
+from masonry_cd.mechanics.model.footings import Footings
 from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -36,6 +38,7 @@ def joint_modes(
     *,
     stiffness: tuple[float, float] | Stiffness | None = None,
     held: Mapping[str, np.ndarray] | None = None,
+    footings: Footings | None = None,
 ) -> dict[str, object]:
     """The lowest modes of rigid blocks on elastic joints.
 
@@ -46,6 +49,7 @@ def joint_modes(
         count: modes asked for.
         stiffness: k_n and k_t of all joints, or of each joint (J,), [Pa/m] instead of those that follow from the modulus.
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
+        footings: blocks on springs of the ground; None: supports hold what stands on them.
 
     Returns:
         ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`masonry_cd.analysis.modal.modes.Modes`.
@@ -54,7 +58,7 @@ def joint_modes(
         InputError: a block that no joint ties to a support.
     """
     begin = time.perf_counter()
-    assembly = Assembly.from_blocks(blocks, 0.0)
+    assembly = replace(Assembly.from_blocks(blocks, 0.0), footings=footings)
     joints = find_joints(assembly)
     _check_supported(assembly, joints)
     if stiffness is None:
@@ -119,8 +123,20 @@ def _stiffness(assembly: Assembly, joints: Joints, normal: np.ndarray, tangentia
     blocks = np.add.reduceat(part, np.searchsorted(owner, np.arange(joints.count)))
     unknown = np.stack([joints.block_a, joints.block_b], axis=1)[:, :, None] * 6 + np.arange(6)
     unknown = unknown.reshape(-1, 12)
-    rows, columns = np.repeat(unknown, 12, axis=1), np.tile(unknown, (1, 12))
-    return sparse.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (6 * assembly.count,) * 2).tocsr()
+    whole = _spread(blocks, unknown, assembly.count)
+    footings = assembly.footings
+    if footings is None:
+        return whole
+    rows = np.concatenate([_rigid_map(footings.arms[:, 0]), np.eye(6)[None, 3:].repeat(len(footings.arms), axis=0)], axis=1)
+    own = np.matmul(rows.transpose(0, 2, 1), np.matmul(footings.stiffness, rows))
+    return whole + _spread(own, footings.blocks[:, :1] * 6 + np.arange(6), assembly.count)
+
+
+def _spread(parts: np.ndarray, unknown: np.ndarray, blocks: int) -> sparse.csr_matrix:
+    """The sum over all blocks, (6 B, 6 B), of matrices (N, n, n) of some of their unknowns (N, n)."""
+    n = unknown.shape[1]
+    rows, columns = np.repeat(unknown, n, axis=1), np.tile(unknown, (1, n))
+    return sparse.coo_matrix((parts.ravel(), (rows.ravel(), columns.ravel())), (6 * blocks,) * 2).tocsr()
 
 
 def _midpoints(joints: Joints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -184,6 +200,6 @@ def _check_supported(assembly: Assembly, joints: Joints) -> None:
 
 
 def _tied(assembly: Assembly, joints: Joints) -> np.ndarray:
-    """Which blocks joints tie to a support, (B,) bool; supports are."""
+    """Which blocks joints tie to a support or a footing, (B,) bool; these are."""
     label = connected_components(joints.block_a, joints.block_b, assembly.count)
-    return np.isin(label, label[assembly.fixed])
+    return np.isin(label, label[assembly.unyielding])

@@ -57,7 +57,9 @@ def first_frequency(assembly: Assembly, across: int | None = None) -> float:
     stiffness = (np.where(normal > 0.0, normal, stiff), np.where(normal > 0.0, tangential, stiff))
     most, count = 6 * int((~assembly.fixed).sum()), MODES
     while True:
-        found = joint_modes(assembly.blocks, np.ones(assembly.count), 0.0, min(count, most), stiffness=stiffness)
+        found = joint_modes(
+            assembly.blocks, np.ones(assembly.count), 0.0, min(count, most), stiffness=stiffness, footings=assembly.footings
+        )
         fits = np.flatnonzero(_in_plane(assembly, found["field"], across) >= IN_PLANE)
         if len(fits):
             return float(np.asarray(found["frequencies"])[fits[0]])

@@ -21,6 +21,7 @@ import numpy as np
 from masonry_cd.analysis.modal.shapes import Shapes
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.footings import Footings
 from masonry_cd.mechanics.model.geometry import mass_properties
 
 MOST_MODES = 10_000
@@ -70,6 +71,7 @@ def modal(
     order: int = 2,
     stiffness: tuple[float, float] | tuple[np.ndarray, np.ndarray] | None = None,
     restraint: Mapping[str, str] | None = None,
+    footings: Footings | None = None,
 ) -> Modes:
     """The lowest elastic modes of a structure.
 
@@ -83,6 +85,7 @@ def modal(
         order: of the tetrahedra, 2 or 1.
         stiffness: normal and tangential stiffness of all joints, or of each (J,) [Pa/m], instead of those from the modulus.
         restraint: by group of supports the directions that they hold, such as ``{"base": "xyz", "roller": "z"}``; all when not given.
+        footings: blocks on springs of the ground, for ``joints``; None: supports hold what stands on them.
 
     Raises:
         InputError: a value out of range, an unknown method or group, a block tied to no support, a solid that cannot be meshed.
@@ -109,7 +112,7 @@ def modal(
             least, most = float(np.min(value)), float(np.max(value))
             if not 0.0 < least <= most < np.inf:
                 raise InputError("modal", f"stiffnesses of joints must be above 0 Pa/m, got {least:g}")
-        found = joint_modes(blocks, moduli, poisson, modes, stiffness=stiffness, held=held)
+        found = joint_modes(blocks, moduli, poisson, modes, stiffness=stiffness, held=held, footings=footings)
     return _modes(method, young, poisson, blocks, found)
 
 

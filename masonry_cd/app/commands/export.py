@@ -86,6 +86,8 @@ def _deck(case: Case) -> Deck:
         raise InputError("--format", "decks hold a constant gravity, and the loads of this scene change it or pull on all blocks")
     if case.events:
         raise InputError("--format", "decks hold one model, and events change that of this scene ([[events]])")
+    if case.assembly.footings is not None:
+        raise InputError("--format", "decks hold supports that move as prescribed, and those of this scene stand on [[ground]]")
     if case.assembly.links or case.assembly.restitution.any():
         what = "links" if case.assembly.links else "restitution"
         raise InputError("--format", f"decks have contacts that neither hold nor throw back, and this scene has {what}")

@@ -28,13 +28,14 @@ from masonry_cd.app.result import Result
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
 from masonry_cd.mechanics.model.materials import Material
 
 if TYPE_CHECKING:
+    from masonry_cd.app.case import Structure
     from masonry_cd.app.scene import Scene
+    from masonry_cd.mechanics.model.footings import Footings
 
 JointStiffness = tuple[float, float] | tuple[np.ndarray, np.ndarray]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -91,27 +92,6 @@ class ModalOptions(BaseModel):
         return self.normal_stiffness, self.tangential_stiffness or self.normal_stiffness / (2.0 * (1.0 + self.poisson))
 
 
-def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | str]:
-    """Parse what the command line gives for one value, ``3e9`` or "3 GPa", or for several groups, ``pier=4e9 default=2e9``.
-
-    Raises:
-        InputError: several values of which one names no group.
-    """
-    pairs = [text.partition("=") for text in texts]
-    if len(pairs) == 1 and not pairs[0][1]:
-        return _number_or_text(pairs[0][0])
-    wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
-    if wrong is not None:
-        raise InputError(f"modal.{key}", f"write one value, or GROUP=VALUE for each group, got {wrong!r}")
-    return {group: _number_or_text(value) for group, _, value in pairs}
-
-
-def _number_or_text(text: str) -> float | str:
-    """A number, or what may be one with a unit."""
-    number = finite_number(text)
-    return text if number is None else number
-
-
 @dataclass(frozen=True, eq=False)
 class Model:
     """The modes of one model next to the measured ones."""
@@ -143,33 +123,55 @@ def modal(
     Raises:
         InputError: a wrong option, scene, or file of measured modes.
     """
-    from masonry_cd.app.case import make_structures
+    from masonry_cd.app.case import structure_of
     from masonry_cd.app.doubts import structure_doubts
     from masonry_cd.app.scene import Scene
 
     if folder is not None:
         free_folder(folder, OUTPUTS, force)
     asked, unusual = parse_table(ModalOptions, options, "modal"), []
-    measured = read_measured(asked.reference) if asked.reference else []
+    measured, footings = read_measured(asked.reference) if asked.reference else [], None
+    aside: list[str] = []
     if isinstance(source, Scene):
         source.refuse_tables("the modal check", "links", "events")
-        blocks, title, material = make_structures(source).blocks, source.title, source.material
-        unusual = structure_doubts(source, blocks)
+        made, title, material = structure_of(source), source.title, source.material
+        unusual = structure_doubts(source, made.blocks)
+        if source.ground:
+            asked, made, aside = _on_ground(source, asked, made)
+        blocks, footings = made.blocks, made.assembly.footings
     else:
         blocks, material = list(source), None
     refuse_spheres(blocks, "structure", "the modal check")
-    asked, stiffness = _of_masonry(asked, blocks, material)
-    results = [_result(blocks, method, asked, measured, stiffness) for method in (METHODS if asked.method == "both" else (asked.method,))]
+    asked, stiffness = _of_masonry(asked, blocks, material, footings)
+    methods = METHODS if asked.method == "both" else (asked.method,)
+    results = [_result(blocks, method, asked, measured, stiffness, footings) for method in methods]
     results = [results[0], *(Model(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
     out = _summary(title, results, table)
+    out["lines"] += aside
     out["warnings"] += unusual
     written = [] if folder is None else _write(results, folder, blocks, out, asked)
     return Result(out, out["lines"], out["warnings"], written)
 
 
-def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material | None) -> tuple[ModalOptions, JointStiffness | None]:
+def _on_ground(scene: Scene, asked: ModalOptions, structure: Structure) -> tuple[ModalOptions, Structure, list[str]]:
+    """Return the options of a scene whose supports stand on ground, its structure with footings, and a line on the model left out.
+
+    Raises:
+        InputError: the continuum is asked for, which knows no ground.
+    """
+    from masonry_cd.app.case import on_ground
+
+    if asked.method == "continuum":
+        raise InputError("modal.method", 'the continuum has held supports; "joints" has the springs of [[ground]], --set ground=[] none')
+    left = ["continuum: left out, it has held supports, and those of this scene stand on [[ground]]"] if asked.method == "both" else []
+    return asked.model_copy(update={"method": "joints"}), on_ground(scene, structure), left
+
+
+def _of_masonry(
+    asked: ModalOptions, blocks: Sequence[Block], material: Material | None, footings: Footings | None
+) -> tuple[ModalOptions, JointStiffness | None]:
     """Return the options, with the modulus of the scene's masonry where none is given, and then also the stiffness of its joints.
 
     Raises:
@@ -182,13 +184,18 @@ def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material
     from masonry_cd.mechanics.contact.find_joints import find_joints
     from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 
-    assembly = replace(Assembly.from_blocks(blocks, material), deformation=None)
+    assembly = replace(Assembly.from_blocks(blocks, material), deformation=None, footings=footings)
     asked = asked.model_copy(update={"young": material.joint_moduli[0]})
     return asked, asked.joint_stiffness or stiffness_of_joints(assembly, find_joints(assembly))
 
 
 def _result(
-    blocks: Sequence[Block], method: str, asked: ModalOptions, measured: Sequence[MeasuredMode], stiffness: JointStiffness | None
+    blocks: Sequence[Block],
+    method: str,
+    asked: ModalOptions,
+    measured: Sequence[MeasuredMode],
+    stiffness: JointStiffness | None,
+    footings: Footings | None,
 ) -> Model:
     """Compute one model, fit it where asked, and pair it with what was measured; ``stiffness`` of the joints where it is not by E."""
     spare = 4 if any(mode.has_shape for mode in measured) else 0  # a measured mode may answer to a higher one
@@ -201,6 +208,7 @@ def _result(
         size=asked.mesh_size,
         stiffness=stiffness,
         restraint=asked.restraint,
+        footings=footings,
     )
     factor = fit_factor(modes, measured) if asked.fit else 1.0
     modes = modes.scaled(factor) if asked.fit else modes

@@ -3,15 +3,15 @@
 
 With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for theta = 1/2 up to the turning of the inertia:
 
-    kinetic + elastic + friction + impact + damping + bond + crushing  =
+    kinetic + elastic + friction + impact + damping + bond + crushing + ground + radiation  =
         work of the supports and of guides (driving.py) + work of gravity + work of point loads and ties + changes  (+ balance)
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
 the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
 joint passes to another face, whose springs begin without force; bond is what bonds that soften took (softening.py), crushing what joints
-take that are shortened for good. changes is what is put in with blocks and joints that become others (stage.py), and below zero what is
-taken out.
+take that are shortened for good. ground is the energy of the springs below footings, radiation what the dashpots there take
+(founding.py). changes is what is put in with blocks and joints that become others (stage.py), and below zero what is taken out.
 correction is the work of lifting blocks out of overlaps, next to the balance.
 """
 
@@ -55,6 +55,7 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
         mean, support = 0.5 * (last.v + new.v), 0.5 * (loads.support_before + loads.support_after)
         by_links, lost = predicted.linked.work(system, made.link_impulse(impulse, new.v), mean, support)
         base, impact = base + by_links, impact + lost
+    ground = new.ground
     stored = totals["elastic"] - new.strains.before if last.steps else new.springs.before
     if last.energy.changed and last.steps:
         totals["change_work"] += new.springs.before - stored
@@ -63,12 +64,14 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
         begun += new.springs.before if last.steps == 0 else 0.0
         _book_springs(totals, new, stored)
     totals["elastic"] = new.springs.after + new.strains.elastic
-    totals["damping"] += new.strains.lost
-    begun += new.strains.before if last.steps == 0 else 0.0
+    totals["ground"] = ground.after
+    totals["damping"] += new.strains.lost + ground.damping
+    totals["radiation"] += ground.radiated
+    begun += new.strains.before + ground.before if last.steps == 0 else 0.0
     totals["kinetic"] = new.kinetic
     totals["friction"] += friction
     totals["impact"] += impact
-    totals["base_work"] += base + work_of_guides(predicted.driven, last.v, new.v)
+    totals["base_work"] += base + work_of_guides(predicted.driven, last.v, new.v) + ground.base
     totals["gravity_work"] += gravity
     totals["correction"] -= correction
     if predicted.force_impulse is not None:

@@ -16,6 +16,8 @@ LOSSES = {
     "damping": "lost in damping",
     "bond": "taken by bonds that soften",
     "crushing": "lost in crushing",
+    "ground": "stored in the ground",
+    "radiation": "lost to the ground",
 }
 """Where it went."""
 LIFT = {"correction": "lifts out of overlaps"}

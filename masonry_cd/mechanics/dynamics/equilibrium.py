@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Equilibrium: elastic joints and blocks that deform take up the weight, and the first tension of ties, before a run.
+"""Equilibrium: elastic joints, blocks that deform and the ground below footings take up the weight, and ties their first tension, before
+a run.
 
 Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first
 instant. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next swing begins from rest (kinetic
@@ -31,12 +32,13 @@ LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still come
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 COARSEST = 1e-8  # to which they are at the least: at 1e-5 joints that should stick creep on, and a church does not come to rest
+SHIFTS = range(3)  # of the displacements of a footing
 SUNK = 0.1  # share of the width of the thinnest block that no block sinks by while it settles
 
 
 def settles(assembly: Assembly) -> bool:
     """Return True if anything of an assembly is elastic, and so can take up the weight."""
-    return assembly.deformation is not None or bool(assembly.laws.elastic.any())
+    return assembly.deformation is not None or assembly.footings is not None or bool(assembly.laws.elastic.any())
 
 
 def settle(stepper: Stepper) -> int:
@@ -51,7 +53,8 @@ def settle(stepper: Stepper) -> int:
     trial = _trial(stepper)
     begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
     ends: list[np.ndarray] = []
-    most, deepest = STEPS * max(1.0, _step(stepper) / trial.settings.dt), SUNK * _thinnest(assembly)
+    most = STEPS * max(1.0, _step(stepper) / trial.settings.dt)
+    deepest = SUNK * _thinnest(assembly) if assembly.footings is None else np.inf  # a structure goes down with its ground
     while not still and steps < most and sunk <= deepest:
         before, last = trial.state.position.copy(), first
         taken, first = _swing(trial)
@@ -118,18 +121,23 @@ def _trial(stepper: Stepper) -> Stepper:
     }
     held, pull = stepper.system.loads.at_rest()
     laws = replace(a.laws, theta=np.ones_like(a.laws.theta), retardation=np.zeros_like(a.laws.retardation))  # dashpots would slow it
-    damped = replace(a, laws=laws, deformation=None if a.deformation is None else a.deformation.without_swing())
+    footings = None if a.footings is None else a.footings.undamped
+    damped = replace(a, laws=laws, deformation=None if a.deformation is None else a.deformation.without_swing(), footings=footings)
     forces = stepper.system.loads.forces
     ties = None if forces is None else forces.ties_alone()
     return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, ties, stepper.plane)
 
 
 def _step(stepper: Stepper) -> float:
-    """Step in which the heaviest block would swing by RADIANS on the softest joint, or on a block as soft as the softest [s]."""
+    """Step in which the heaviest block would swing by RADIANS on the softest joint, or on a block as soft as the softest, or all of them on
+    the softest footing [s]."""
     a, free = stepper.assembly, ~stepper.assembly.fixed
     size = libm.cbrt(a.volume)
     soft = [softest_spring(a.laws, stepper.system.masonry)]
     if a.deformation is not None:
         own = a.deformation
         soft.append(float((own.stiffness[:, 0, 0] / own.volume / size[own.block]).min()))
-    return RADIANS * float(np.sqrt((a.mass[free] / size[free] ** 2).max() / min(soft)))
+    longest = float(np.sqrt((a.mass[free] / size[free] ** 2).max() / min(soft)))
+    if a.footings is not None:
+        longest = max(longest, float(np.sqrt(a.mass[free].sum() / a.footings.stiffness[:, SHIFTS, SHIFTS].min())))
+    return RADIANS * longest

@@ -60,6 +60,7 @@ class Prediction(NamedTuple):
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
     driven: tuple[Any, ...] = ()  # rows of guided blocks, see driving.py
     linked: Linked | None = None  # what links make of the step
+    founded: Any = None  # footings of the step, see founding.py; None: there are none
 
 
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:

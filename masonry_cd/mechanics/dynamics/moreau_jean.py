@@ -206,8 +206,13 @@ class Stepper:
         return self._assembled(predicted, detect(self.system, detector, predicted, self.steps + 1), detector.pairs)
 
     def _predicted(self, last: Motion, loads: StepLoads) -> Prediction:
-        """The blocks at q_m, guided and linked as they are."""
-        free = guided(self.system, predict(self.system, last, loads))
+        """The blocks at q_m, founded, guided and linked as they are."""
+        free, footings = predict(self.system, last, loads), self.assembly.footings
+        if footings is not None:
+            from masonry_cd.mechanics.dynamics.founding import found
+
+            free = found(self.system, footings, free)
+        free = guided(self.system, free)
         if self.system.linkage is None:
             return free
         from masonry_cd.mechanics.dynamics.linking import link  # which others have no use for

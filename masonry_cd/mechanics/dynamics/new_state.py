@@ -18,7 +18,7 @@ from masonry_cd.mechanics.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.mechanics.dynamics.joint_history import carried_over
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
-from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
+from masonry_cd.mechanics.dynamics.step_problem import GroundWork, SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.strain import StrainWork
 from masonry_cd.mechanics.dynamics.system import Motion, System
 from masonry_cd.mechanics.model.state import State
@@ -42,6 +42,7 @@ class Update(NamedTuple):
     lifted: np.ndarray  # (B, 3) shifts that took overlaps away [m]; (0, 3): there were none
     springs: SpringWork
     strains: StrainWork
+    ground: GroundWork
 
 
 class EndOfStep(NamedTuple):
@@ -81,7 +82,13 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray)
         state.strain = system.strains.after(state.strain, v)
     joints, bonds, springs = carried_over(system, last, made, v, impulse)
     strains = StrainWork() if system.strains is None else system.strains.work(last.state.strain, state.strain, last.v, v)
-    return Update(state, momentum, v, every, joints, bonds, kinetic + strains.kinetic, deepest, lifted, springs, strains)
+    ground = GroundWork()
+    if predicted.founded is not None:
+        from masonry_cd.mechanics.dynamics.founding import stored_in_ground, work_of_ground
+
+        stored = last.energy.totals["ground"] if last.steps else stored_in_ground(predicted.founded.footings, last.state)
+        ground = work_of_ground(system, predicted.founded, stored, v, state)
+    return Update(state, momentum, v, every, joints, bonds, kinetic + strains.kinetic, deepest, lifted, springs, strains, ground)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:

@@ -55,7 +55,7 @@ class PairStiffness:
 
 def block_moduli(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
     """E and G by which the joints of each block deform, (B,) each [Pa]; infinite of supports, and of blocks that deform themselves."""
-    stiff = assembly.fixed.copy()
+    stiff = assembly.unyielding
     if assembly.deformation is not None:
         stiff[assembly.deformation.block] = True
     young, shear = assembly.laws.moduli or (np.inf, np.inf)

@@ -71,6 +71,16 @@ class Solved(NamedTuple):
     blow: np.ndarray | None = None  # (C, m) of the impulses, those of the impacts, likewise [N s]
 
 
+class GroundWork(NamedTuple):
+    """What the ground below footings did in a step [J]."""
+
+    base: float = 0.0  # put in by its motion
+    before: float = 0.0  # energy of its springs before the step
+    after: float = 0.0  # and after it
+    radiated: float = 0.0  # taken by its dashpots
+    damping: float = 0.0  # left over
+
+
 class SpringWork(NamedTuple):
     """Work of the springs in a step [J]."""
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.deformation import Deformation, deformation_of
+from masonry_cd.mechanics.model.footings import Footings
 from masonry_cd.mechanics.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
 from masonry_cd.mechanics.model.joint_laws import JointLaw, joint_table, refuse_unfelt
 from masonry_cd.mechanics.model.joint_laws.friction import friction_table
@@ -180,6 +181,7 @@ class Assembly:
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
     absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
     links: tuple[Link, ...] = ()  # that hold blocks together
+    footings: Footings | None = None  # blocks on springs of the ground; None: all supports move as prescribed
 
     @property
     def count(self) -> int:
@@ -191,6 +193,14 @@ class Assembly:
         """Those of which no block is absent."""
         absent = self.absent
         return self.links if absent is None else tuple(link for link in self.links if not absent[list(link.blocks)].any())
+
+    @property
+    def unyielding(self) -> np.ndarray:
+        """Supports and footings, (B,) bool: joints deform on their other side alone."""
+        out = self.fixed.copy()
+        if self.footings is not None:
+            out[self.footings.blocks[:, 0]] = True
+        return out
 
     @property
     def affine(self) -> tuple[int, ...]:

@@ -61,7 +61,7 @@ def joint_stiffness(assembly: Assembly, joints: Joints, young: np.ndarray, shear
         young: E of each block (B,) [Pa]; infinite of one whose joints do not deform for it. Supports never do.
         shear: G likewise.
     """
-    young, shear = (np.where(assembly.fixed, np.inf, modulus) for modulus in (young, shear))
+    young, shear = (np.where(assembly.unyielding, np.inf, modulus) for modulus in (young, shear))
     half = _half_lengths(assembly, joints)
     both = np.stack([joints.block_a, joints.block_b], axis=1)
     with np.errstate(divide="ignore"):  # of two blocks that do not deform: infinite

@@ -6,6 +6,7 @@ friction          20 % to either side, or the range that [assess] states
 block size        times 0.7 and 1.4, where the kind of structure has a key for it
 bond              straight joints, another seed, where the kind has a key for it
 others            what a kind of structure says may be assumed of it, as of the fill of a bridge
+soil              half and twice the shear modulus of each [[ground]], or its springs
 damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
 joint points      over the depth of elastic joints that open: 5, 7, 11 and 15
 time step         half of it
@@ -34,11 +35,12 @@ Tables = dict[str, Any]
 Change = Callable[[Tables], None]
 Structures = list[tuple[StructureKind, Tables]]
 
-STIFFNESS, FRICTION, SIZE, BOND, DAMPING, POINTS, STEP, TOLERANCE = (
-    "joint stiffness", "friction", "block size", "bond", "damping", "joint points", "time step", "tolerance",
+STIFFNESS, FRICTION, SIZE, BOND, SOIL, DAMPING, POINTS, STEP, TOLERANCE = (
+    "joint stiffness", "friction", "block size", "bond", "soil stiffness", "damping", "joint points", "time step", "tolerance",
 )  # fmt: skip
 NUMERICAL = (POINTS, STEP, TOLERANCE)  # no property of the structure: the answer should not depend on them
 SMALLER, LARGER = 0.7, 1.4  # sizes of blocks
+SOFTER, STIFFER = 0.5, 2.0  # shear moduli of the soil, which its strain and its survey leave as uncertain
 ASIDE = 0.2  # share by which friction is varied
 STONE = {"least": 0.7e9, "mean": 1.5e9, "largest": 3.3e9}  # E [Pa]: of irregular stone to squared stone (Circolare 7/2019, table C8.5.I)
 STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that table; density stays that of the scene
@@ -98,7 +100,7 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     stiffness = _stiffness(scene, asked)
     size, refused = _size(scene, tables)
     found: list[Assumption | LeftOut] = [stiffness, _friction(tables, asked), size, *_of_kinds(scene, tables)]
-    found += [_damping(scene, asked, stiffness), _points(scene), _step(tables), _tolerance(scene)]
+    found += [*_soil(scene), _damping(scene, asked, stiffness), _points(scene), _step(tables), _tolerance(scene)]
     known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
         why = "left out by the scene, assess.leave_out" if one.name in asked.leave_out else one.why if isinstance(one, LeftOut) else ""
@@ -286,6 +288,21 @@ def _put(made: Sequence[Tables | None]) -> Change:
             tables["structure"] = now[0]
 
     return change
+
+
+def _soil(scene: Scene) -> list[Assumption]:
+    """Softer and stiffer soil below footings; none where supports do not stand on ground."""
+
+    def scaled(factor: float) -> Level:
+        def change(tables: Tables) -> None:
+            for ground in tables["ground"]:
+                for key in {"shear_modulus", "shear_wave_velocity"} & ground.keys():
+                    ground[key] *= factor if key == "shear_modulus" else factor**0.5
+                ground["stiffness"] = {way: factor * value for way, value in ground.get("stiffness", {}).items()}
+
+        return Level(f"x {factor:g}", change)
+
+    return [Assumption(SOIL, "as given", (scaled(SOFTER), scaled(STIFFER)))] if scene.ground else []
 
 
 def _damping(scene: Scene, asked: AssessTable, stiffness: Assumption) -> Assumption | LeftOut:
