@@ -365,6 +365,7 @@ class Stepper:
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
         memories = prefixed("detector", self.detector.snapshot()) | prefixed("islands", self.islands.snapshot())
+        memories |= prefixed("bonds", self.motion.bonds._asdict()) if self.system.softens else {}
         return motion_arrays(self.motion, self.load_step) | memories
 
     def check(self, stored: Stored) -> None:

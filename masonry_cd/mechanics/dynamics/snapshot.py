@@ -40,8 +40,6 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
         out["carried_impulse"] = m.carried_impulse
     if len(m.approach):
         out["approach"] = m.approach
-    if m.bonds is not NO_BONDS:
-        out |= prefixed("bonds", m.bonds._asdict())
     return out | prefixed("joints", m.joints._asdict())
 
 

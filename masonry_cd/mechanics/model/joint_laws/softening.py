@@ -52,7 +52,7 @@ def _tables(law: SofteningKeys, mu: float, pair: str) -> dict[str, float]:
         InputError: there is no bond to soften, or its stress would have to snap back.
     """
     if law.fracture_energy is None or law.shear_fracture_energy is None:
-        return {}
+        return dict.fromkeys(("fracture", "shear_fracture", "exponential"), 0.0)
     apex, tension = strengths(law, mu)
     modes = (("tension", tension, law.fracture_energy), ("cohesion", mu * apex, law.shear_fracture_energy))
     for key, (of, strength, energy), stiffness in zip(ENERGIES, modes, law.stiffness, strict=True):
