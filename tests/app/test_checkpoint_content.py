@@ -35,11 +35,18 @@ SCENES = {  # what the stepper of each remembers: impacts and islands, bonds and
     "islands": ("run.duration=0.3", 100),
     "mortar": ("run.duration=0.08", 25),
     "elastic": ("run.duration=0.08", 25),
+    "softening": ("run.duration=0.08", 25),
 }
+SOFT = ("material.joints.fracture_energy=15", "material.joints.shear_fracture_energy=60")
 
 
 def asked(name: str, out: Path) -> tuple[object, ...]:
-    return ("run", ROOT / "benchmarks" / "bits" / f"{name}.toml", "-o", out, "-q", "--set", SCENES[name][0])
+    keys = [key for given in overrides(name) for key in ("--set", given)]
+    return ("run", ROOT / "benchmarks" / "bits" / f"{name.replace('softening', 'mortar')}.toml", "-o", out, "-q", *keys)
+
+
+def overrides(name: str) -> list[str]:
+    return [SCENES[name][0], *(SOFT if name == "softening" else ())]
 
 
 @pytest.fixture(scope="module", params=SCENES)
@@ -92,7 +99,7 @@ def refusals(name: str, out: Path, changed: list[dict[str, np.ndarray]], numbers
 
 def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable[..., None]]:
     """Return the contents of the checkpoint of a run, and the check of it."""
-    case = prepare(read_scene(asked(name, folder)[1], [SCENES[name][0]]))
+    case = prepare(read_scene(asked(name, folder)[1], overrides(name)))
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
     arrays, numbers = checkpoint.load(folder / checkpoint.NAME)
