@@ -36,7 +36,7 @@ class Rule:
 
     @property
     def holds(self) -> tuple[bool, bool, bool]:
-        """Whether a), b) and c) hold."""
+        """Return True for each of a), b) and c) that holds."""
         return self.count >= FEWEST, self.rigid >= 1.0 - ROUNDING, self.least >= SHARE * (1.0 - ROUNDING)
 
     def lines(self) -> list[str]:

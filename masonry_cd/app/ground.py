@@ -163,7 +163,7 @@ def _rectangle(plan: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
 
 
 def _line(name: str, sides: tuple[float, float], mass: float, stiffness: np.ndarray) -> str:
-    """A footing in words."""
+    """Return the line on a footing."""
     x, y, z, rx, ry, rz = np.diagonal(stiffness).tolist()
     return (
         f'ground: footing "{name}", {sides[0]:.4g} m by {sides[1]:.4g} m, {1e-3 * mass:.4g} t, on springs of '

@@ -114,7 +114,7 @@ def static_loads(
 
 
 def live_alone(load: Mapping[str, Any], gravity: Sequence[float], folder: Path, assembly: Assembly, fills: Sequence[Fill]) -> np.ndarray:
-    """What one table ``[[loads]]`` by itself does to B blocks: (B, 6) [N, N m].
+    """Return the forces of one table ``[[loads]]`` by itself on B blocks: (B, 6) [N, N m].
 
     Raises:
         InputError: a bad table.

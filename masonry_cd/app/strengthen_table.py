@@ -33,22 +33,22 @@ class BarTable(Table):
     """One entry ``[[strengthen.bars]]``: a bar that can be bought."""
 
     diameter: Annotated[Length, DIAMETER]
-    """of its section"""
+    """Diameter of its section."""
     yield_force: Force | None = None
-    """by default that of its section at the yield stress"""
+    """Force at which it yields; by default that of its section at the yield stress."""
     price: Price | None = None
-    """per metre; by default by its yield force"""
+    """Price per metre; by default by its yield force."""
 
 
 class PricesTable(Table):
     """The table ``[strengthen.prices]``, in any currency."""
 
     force: Price = 0.0
-    """of a tie, per kN of its yield force"""
+    """Price of a tie per kN of its yield force."""
     force_length: Price | None = None
-    """of a tie, per kN of its yield force and metre of its length, as its steel weighs; 1 where no price is given"""
+    """Price of a tie per kN of its yield force and metre of its length, as its steel weighs; 1 where no price is given."""
     anchor: Price = 0.0
-    """of each of its two anchors"""
+    """Price of each of its two anchors."""
 
     @property
     def per_kn_m(self) -> float:

@@ -68,7 +68,7 @@ class Hazard(Sealed):
         return self._curve.at(return_period)
 
     def of_limit_state(self, state: str) -> Row:
-        """What NTC asks for at a limit state, "SLO", "SLD", "SLV" or "SLC", by the nominal life and the class of use.
+        """Return the row that NTC asks for at "SLO", "SLD", "SLV" or "SLC", by the nominal life and the class of use.
 
         Raises:
             InputError: another one, or a return period beyond the rows.

@@ -57,7 +57,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Assumed:
-    """What a load factor rests on: a row for each assumption, of a bridge the scene's own first."""
+    """Assumptions on which a load factor rests: a row for each, of a bridge the scene's own first."""
 
     rows: tuple[Row, ...] = ()
 
@@ -188,7 +188,7 @@ def _states(scene: Scene, fill: Fill, name: str) -> bool:
 
 
 def _in_words(structure: LimitStructure) -> str:
-    """What a scene assumes of its fill, and whether it says so."""
+    """Return the assumptions of a scene on its fill, and if the scene states them."""
     fill, scene = structure.made.fills[0], structure.scene
 
     def by(name: str) -> str:

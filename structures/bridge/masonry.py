@@ -57,7 +57,7 @@ def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]
 
 
 def _bare(layout: Layout, span: int, line: np.ndarray) -> np.ndarray:
-    """What of a line (2, 2) of the extrados of a span lies above the backing next to it, (2, 2) or none (0, 2) [m]."""
+    """Return the part of a line (2, 2) of the extrados of a span above the backing next to it, (2, 2) or none (0, 2) [m]."""
     if layout.keys.backing is None:
         return line
     level = layout.backing_level(layout.supports[span + int(line[:, 0].mean() > layout.profiles[span].axis)])

@@ -60,7 +60,7 @@ def borne_by_another(made: CodeCheck, other: CodeCheck, note: str) -> CodeCheck:
 
 
 def _just_borne(made: CodeCheck, table: CheckTable, oscillator: Oscillator, ground: Ground) -> list[Borne]:
-    """What each verdict of a check just meets."""
+    """Return the acceleration that each verdict of a check just meets."""
 
     def met(ag: float, k: int) -> float:
         return _checked(table, oscillator, ground.scaled(ag)).verdicts[k].met

@@ -45,7 +45,7 @@ class Bonds(NamedTuple):
 
 
 class BondMemory(NamedTuple):
-    """What bonds that soften hand from step to step, by contact of the last one, twins included; one entry at least."""
+    """Memory of bonds that soften from step to step, by contact of the last one, twins included; one entry at least."""
 
     damage: np.ndarray  # (K,) D; 1: dry
     spent: np.ndarray  # (K,) share of the fracture energy that is taken
@@ -84,7 +84,7 @@ class BondMemory(NamedTuple):
 
 
 def check_bonds(stored: Stored, contacts: int) -> int:
-    """Check what a checkpoint holds of bonds, with so many contacts of the detector; return how many contacts there are with the twins.
+    """Check what a checkpoint holds of bonds, with the contacts of the detector; return their number with the twins.
 
     Raises:
         InputError: an array that no run leaves.

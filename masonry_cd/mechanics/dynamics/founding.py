@@ -91,7 +91,7 @@ def found(system: System, footings: Footings, free: Prediction) -> Prediction:
 
 
 def work_of_ground(system: System, founded: Founded, stored: float, v: np.ndarray, end: State) -> GroundWork:
-    """What the ground did in a step to a state with velocities v (F, n), before which its springs had a stored energy [J]."""
+    """Return the work of the ground in a step to a state with velocities v (F, n), from a stored energy of its springs [J]."""
     theta, now = system.settings.theta, founded.velocity(v)
     given, after = founded.constant - _times(founded.taken, now), now - founded.ground[:, 1]
     mean, at_rule = 0.5 * (founded.before + after), (1.0 - theta) * founded.before + theta * after

@@ -182,7 +182,7 @@ class Parted(NamedTuple):
 
 
 def _parted(system: System, made: StepProblem, v: np.ndarray) -> Parted:
-    """What the bonds did in a step that ended with velocities (F, n)."""
+    """Return the separations of the bonds in a step that ended with velocities (F, n)."""
     bonds, springs, rows, h = made.bonds, made.springs, made.rows, system.constants.step
     assert bonds is not None
     assert springs is not None

@@ -72,7 +72,7 @@ class Solved(NamedTuple):
 
 
 class GroundWork(NamedTuple):
-    """What the ground below footings did in a step [J]."""
+    """Work of the ground below footings in a step [J]."""
 
     base: float = 0.0  # put in by its motion
     before: float = 0.0  # energy of its springs before the step

@@ -39,13 +39,13 @@ class Springs(Table):
     """Stiffness of a footing in six directions, world axes, at the middle of its base."""
 
     x: Spring = None
-    """Of a shift along x; by the soil where it is not given, as all others."""
+    """Stiffness of a shift along x; by the soil where it is not given, as all others."""
     y: Spring = None
     """Along y."""
     z: Spring = None
     """Along z."""
     rx: Turning = None
-    """Of a turn about x, per radian."""
+    """Stiffness of a turn about x, per radian."""
     ry: Turning = None
     """About y."""
     rz: Turning = None
@@ -56,13 +56,13 @@ class Dashpots(Table):
     """Dashpots of a footing in six directions, likewise."""
 
     x: Dashpot = None
-    """Of a shift along x; by the soil where it is not given, as all others, and none without soil."""
+    """Dashpot of a shift along x; by the soil where it is not given, as all others, and none without soil."""
     y: Dashpot = None
     """Along y."""
     z: Dashpot = None
     """Along z."""
     rx: TurningDashpot = None
-    """Of a turn about x."""
+    """Dashpot of a turn about x."""
     ry: TurningDashpot = None
     """About y."""
     rz: TurningDashpot = None
@@ -75,11 +75,11 @@ class GroundTable(Table):
     supports: Names = None
     """Fixed blocks or groups that become footings, * stands for any letters; all on which something stands when not given."""
     shear_wave_velocity: Annotated[Above, Unit("m/s"), Usual(50.0, 3000.0, "soils have 100 to 800 m/s, rock up to 3000")] | None = None
-    """Of the soil, for small strain or reduced by what the shaking asks of it."""
+    """Velocity of shear waves in the soil, for small strain or reduced by what the shaking asks of it."""
     shear_modulus: Annotated[Above, Unit("Pa")] | None = None
-    """Of the soil, instead of its shear wave velocity."""
+    """Shear modulus of the soil, instead of its shear wave velocity."""
     density: Annotated[Above, Unit("kg/m3")] | None = None
-    """Of the soil."""
+    """Density of the soil."""
     poisson: Annotated[Number, Field(ge=LEAST, le=MOST)] | None = None
     """Poisson's ratio of the soil."""
     embedment: Annotated[Least, Unit("m")] = 0.0
@@ -87,20 +87,20 @@ class GroundTable(Table):
     frequency: Annotated[Above, Unit("Hz")] | None = None
     """At which stiffness and dashpots of the soil are taken; else static stiffness, and no radiation of turns."""
     material_damping: Annotated[Number, Field(ge=0.0, lt=1.0)] = 0.0
-    """Of the soil, as a share of critical at the frequency."""
+    """Damping of the soil itself, as a share of critical at the frequency."""
     length: Metres | None = None
     """Longer side of the footing's base; else by its plan."""
     width: Metres | None = None
     """Shorter side."""
     projection: Annotated[Least, Unit("m")] | None = None
-    """Of a footing beyond what stands on it, below which it is cut out of its support; else all of the support, and 0 on the slab of a
+    """Projection of a footing beyond what stands on it, below which it is cut out of its support; else all of it, and 0 on the slab of a
     tower, wall, church or column."""
     added_mass: Annotated[Least, Unit("kg")] = 0.0
     """Moves with the footing, spread over it."""
     stiffness: Springs = Field(default_factory=Springs)
-    """Of the springs, instead of those of the soil."""
+    """Stiffness of the springs, instead of those of the soil."""
     damping: Dashpots = Field(default_factory=Dashpots)
-    """Of the dashpots, instead of those of the soil."""
+    """Dashpots, instead of those of the soil."""
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:

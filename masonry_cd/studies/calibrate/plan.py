@@ -64,7 +64,7 @@ class Calibration:
 
     @property
     def line(self) -> str:
-        """How many samples there are at most, in words."""
+        """Describe how many samples there are at most."""
         table, observations = self.table, self.wanted.observations
         known = sum(one.known for one in observations)
         runs = "a run" if self.wanted.runs else "a modal analysis"

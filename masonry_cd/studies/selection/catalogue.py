@@ -23,7 +23,7 @@ Row = Mapping[str, str | float]
 
 
 def read_catalogue(table: CandidatesTable, folder: Path) -> dict[str, Row]:
-    """What is known of each motion; cells that are empty are left out.
+    """Read the facts on each motion; cells that are empty are left out.
 
     Raises:
         InputError: no such file, a column that is asked for and missing, a motion twice, a number that is none; names file and line.

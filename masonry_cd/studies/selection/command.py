@@ -95,7 +95,7 @@ def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left:
 
 
 def _summary(selection: Selection, made: RecordSet, left: Mapping[str, str]) -> dict[str, Any]:
-    """What selection.json holds."""
+    """Return the contents of selection.json."""
     tables, d, rule = selection.tables, made.differences, made.rule
     spectra = {"period_s": made.grid.periods, "target_m_s2": made.grid.target, "mean_m_s2": made.spectra.mean(axis=0)}
     spectra |= {"median_m_s2": made.grid.target * libm.exp(d.mean(axis=0))} | ({"sigma": d.std(axis=0, ddof=1)} if len(d) > 1 else {})
@@ -140,7 +140,7 @@ def _lines(selection: Selection, made: RecordSet, left: Mapping[str, str]) -> It
 
 
 def _warnings(selection: Selection, made: RecordSet) -> list[str]:
-    """What must not pass in silence."""
+    """Return the warnings."""
     out, most = [], selection.tables.candidates.factor[1]
     if made.lift > 1.0:
         out.append(f"all factors are raised by {made.lift:.4g}, so that the set meets EN 1998-1, 3.2.3.1.2(4) b) and c)")
