@@ -13,6 +13,7 @@ from masonry_cd.analysis.outputs.folders import files_of
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.json_files import write_json
+from masonry_cd.foundation.quantities import counted
 from reports.calibrate.picture import PICTURE, posterior_picture
 from reports.page.document import Head, pictures, rows_of_many, write_document
 from reports.study.tables import DIGITS
@@ -50,8 +51,8 @@ def write_posterior(found: Posterior, folder: Path) -> list[Path]:
 def write_page(found: Posterior, drawn: list[Path], path: Path) -> None:
     """Write calibrate.html."""
     tiles = [
-        ("samples", len(found.weights), f"{len(found.sizes)} rounds"),
-        ("effective", f"{found.sizes[-1]:.3g}", f"at least {found.enough:g}"),
+        ("samples", len(found.weights), f" in {counted(len(found.sizes), 'round')}"),
+        ("effective", f"{found.sizes[-1]:.3g}", f" at least {found.enough:g}"),
         ("probability of such a misfit", "none" if found.misfit is None else f"{found.misfit:.2g}", ""),
     ]
     varied = ", ".join(found.unknowns)

@@ -127,7 +127,8 @@ class Observation(Table):
         """The name, or one made of the other keys."""
         of = (self.joint and " - ".join(self.joint)) or self.gauge or self.quantity or ", ".join(self.blocks or ())
         at = {"end": "", "largest": "largest"}[self.at]
-        words = (self.what if self.what not in ("gauge", "quantity") else "", self.mode, self.direction, of, at, self.column)
+        mode = self.mode and f"mode {self.mode}", self.direction and f"along {self.direction}"
+        words = (self.what if self.what not in ("gauge", "quantity") else "", *mode, of, at, self.column)
         return self.name or " ".join(str(word) for word in words if word)
 
     @property

@@ -9,10 +9,12 @@ and the samples of all rounds share the weights
 (Owen & Zhou 2000, applied again after each round by Cornuet, Marin, Mira & Robert, arXiv:0907.1254; Elvira, Martino, Luengo & Bugallo,
 arXiv:1607.02758). The first proposal is the prior, in a Latin hypercube; each further one is fitted to the samples that are there,
 
-    q_t = a N(0, 1) + (1 - a) sum_i v_i N(z_i, h^2 C),         h = (4 / ((d + 2) n))^(1 / (d + 4))
+    q_t = a N(0, 1) + (1 - a) t_nu(m, C)
 
-with C their covariance, n their effective number, and v the weights with a likelihood L^b: b is the largest up to 1 that leaves n large
-enough for C, so that the proposals approach the posterior step by step. The share a of the prior bounds the weights.
+with m and C their mean and covariance by weights with a likelihood L^b: b is the largest up to 1 that leaves an effective number n large
+enough for C, so that the proposals approach the posterior step by step. The share a of the prior bounds the weights. Kernels on the single
+samples, instead of one Student t, would be densest at those samples themselves, take weight from outer ones and so narrow the posterior
+(by 6 % of the standard deviation of an unknown that nothing is observed of, with 300 samples of 4).
 """
 
 from __future__ import annotations
@@ -22,9 +24,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import logsumexp, ndtri
+from scipy.special import gammaincinv, gammaln, logsumexp, ndtri
 
 PRIOR_SHARE = 0.1  # a
+FREEDOM = 5.0  # degrees of it, nu: its tails are heavier than those of a normal posterior
 OF_SAMPLES, OF_UNKNOWNS = 0.1, 5  # n is this share of the samples, or as many for each unknown, where half of the samples are more
 BISECTIONS = 50  # of b
 DECIMALS = 9  # of z, so that another processor makes the same runs
@@ -32,38 +35,37 @@ DECIMALS = 9  # of z, so that another processor makes the same runs
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """The prior, and K kernels of one shape where there are any; d unknowns."""
+    """The prior, with a Student t about the samples where there is one; d unknowns."""
 
-    centres: np.ndarray  # (K, d)
-    shares: np.ndarray  # (K,) of the kernels, 1 in all
-    factor: np.ndarray  # (d, d) lower triangular, h^2 C = factor factor^T
+    centre: np.ndarray  # (d,)
+    factor: np.ndarray | None = None  # (d, d) lower triangular, C = factor factor^T; None: the prior alone
 
     @classmethod
     def prior(cls, unknowns: int) -> Proposal:
         """The prior alone."""
-        return cls(np.zeros((0, unknowns)), np.zeros(0), np.eye(unknowns))
+        return cls(np.zeros(unknowns))
 
     def draw(self, count: int, seed: Sequence[int]) -> np.ndarray:
         """Samples (count, d), stratified by a Latin hypercube."""
         from scipy.stats.qmc import LatinHypercube
 
-        u = LatinHypercube(d=self.factor.shape[0] + 1, rng=np.random.default_rng(seed)).random(count)
-        z = ndtri(u[:, 1:])
-        if len(self.shares):
-            kernel = np.searchsorted(PRIOR_SHARE + (1.0 - PRIOR_SHARE) * np.cumsum(self.shares), u[:, 0])
-            chosen = (u[:, 0] >= PRIOR_SHARE, np.minimum(kernel, len(self.shares) - 1))
-            z = np.where(chosen[0][:, None], self.centres[chosen[1]] + z @ self.factor.T, z)
+        u = LatinHypercube(d=len(self.centre) + 2, rng=np.random.default_rng(seed)).random(count)
+        z = ndtri(u[:, 2:])
+        if self.factor is not None:
+            stretch = np.sqrt(0.5 * FREEDOM / gammaincinv(0.5 * FREEDOM, u[:, 1]))
+            z = np.where(u[:, :1] < PRIOR_SHARE, z, self.centre + stretch[:, None] * (z @ self.factor.T))
         return z.round(DECIMALS)
 
     def log_density(self, z: np.ndarray) -> np.ndarray:
         """The logarithm of its density at samples (N, d), (N,)."""
-        prior = log_prior(z)
-        if not len(self.shares):
+        prior, d = log_prior(z), len(self.centre)
+        if self.factor is None:
             return prior
-        away = np.linalg.solve(self.factor, (z[:, None, :] - self.centres).reshape(-1, z.shape[1]).T)
-        kernels = log_prior(away.T).reshape(len(z), -1) - float(np.sum(np.log(np.diag(self.factor))))
-        mixed = logsumexp(kernels, axis=1, b=(1.0 - PRIOR_SHARE) * self.shares)
-        return np.asarray(np.logaddexp(math.log(PRIOR_SHARE) + prior, mixed))
+        away = np.linalg.solve(self.factor, (z - self.centre).T)
+        half = 0.5 * (FREEDOM + d)
+        scale = gammaln(half) - gammaln(0.5 * FREEDOM) - 0.5 * d * math.log(FREEDOM * math.pi) - np.sum(np.log(np.diag(self.factor)))
+        about = scale - half * np.log1p(np.sum(away * away, axis=0) / FREEDOM)
+        return np.asarray(np.logaddexp(math.log(PRIOR_SHARE) + prior, math.log1p(-PRIOR_SHARE) + about))
 
 
 def log_prior(z: np.ndarray) -> np.ndarray:
@@ -105,11 +107,11 @@ def next_proposal(z: np.ndarray, ratio: np.ndarray, likelihood: np.ndarray) -> P
     if possible.sum() <= d:
         return Proposal.prior(d)
     z, v = z[possible], _tempered(ratio[possible], likelihood[possible], d)
-    n, away = effective(v), z - v @ z
-    size = min(1.0, (4.0 / ((d + 2) * n)) ** (1.0 / (d + 4)))  # a kernel is never wider than the samples
+    centre = v @ z
+    away = z - centre
     covariance = (v[:, None] * away).T @ away
     covariance += 1e-12 * np.trace(covariance) * np.eye(d)  # samples of d unknowns may lie in a plane
-    return Proposal(z, v, size * np.linalg.cholesky(covariance))
+    return Proposal(centre, np.linalg.cholesky(covariance))
 
 
 def _tempered(ratio: np.ndarray, likelihood: np.ndarray, unknowns: int) -> np.ndarray:

@@ -61,7 +61,7 @@ def test_a_proposal_draws_from_its_own_density() -> None:
 def test_without_enough_possible_samples_the_next_proposal_is_the_prior() -> None:
     z = np.zeros((5, 2))
     likelihood = np.array([0.0, 0.0, -np.inf, -np.inf, -np.inf])
-    assert not len(next_proposal(z, np.zeros(5), likelihood).shares)
+    assert next_proposal(z, np.zeros(5), likelihood).factor is None
     assert not weights(np.full(5, -np.inf)).any()
     assert effective(np.zeros(5)) == 0.0
 
@@ -116,7 +116,7 @@ def test_ranges_predictions_and_gains_are_those_of_one_linear_unknown() -> None:
     assert again["off"] == pytest.approx((1.0 - 2.0 * mean) / np.hypot(0.5, 2.0 * std), abs=0.02)
     assert again["gain"] == pytest.approx((2 * std) ** 2 / ((2 * std) ** 2 + 0.25), abs=0.02)  # of one unknown r is 1
     assert new["gain"] == pytest.approx((3 * std) ** 2 / ((3 * std) ** 2 + 0.01), abs=0.02)
-    assert "helps most: frequency 2, which is not measured yet" in found.lines[-1]
+    assert "helps most: frequency mode 2, which is not measured yet" in found.lines[-1]
 
 
 def test_a_misfit_has_the_probability_of_chi_squared_over_the_posterior() -> None:
