@@ -81,7 +81,7 @@ class WallTable(Table):
 class BackingTable(Table):
     """Masonry over the piers and abutments, between the haunches, up to a level: a rigid block over each, of the group backing."""
 
-    height: Length
+    height: WallHeight
     """above the lower springing of each pier and abutment, below the crowns next to it"""
     density: Density | None = None
     """that of the material when not given; its strength is that of its joints, material.joints"""
