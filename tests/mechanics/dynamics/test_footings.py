@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +13,9 @@ import pytest
 import masonry_cd as mc
 from masonry_cd.app.case import prepare
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.ground_table import GroundTable
 from masonry_cd.mechanics.model.impedance import Soil, impedance
+from masonry_cd.studies.assess.assumptions import assumptions_of
 
 G = 9.81
 STIFF = {"x": 1e14, "y": 1e14, "z": 1e14, "rx": 1e15, "ry": 1e15, "rz": 1e15}
@@ -242,3 +245,16 @@ def test_the_footing_of_a_tower_is_cut_out_of_its_slab_below_its_walls_and_has_i
     assert assembly.mass[own] == pytest.approx(4.0 * 4.0 * 0.5 * 2000.0 + 1000.0, rel=1e-9)
     assert np.ptp(assembly.blocks[own].vertices, axis=0) == pytest.approx([4.0, 4.0, 0.5], rel=1e-9)
     assert assembly.blocks[below].vertices[:, 2].max() == pytest.approx(assembly.blocks[own].vertices[:, 2].min(), abs=1e-12)
+
+
+def test_an_assessment_halves_and_doubles_the_stiffness_of_the_soil():
+    soil = {"shear_wave_velocity": 200.0, "density": 1800.0, "poisson": 0.3, "stiffness": {"x": 1e8}}
+    scene = scene_of(soil).checked
+    known, _ = assumptions_of(scene, deepcopy(dict(scene.tables)), shakes=True)
+    (found,) = (one for one in known if one.name == "soil stiffness")
+    for level, factor in zip(found.levels, (0.5, 2.0), strict=True):
+        tables = deepcopy(dict(scene.tables))
+        level.change(tables)
+        made = [GroundTable(**keys).of_footing((4.0, 2.0), np.array([1.0, 0.0]))[0] for keys in (soil, *tables["ground"])]
+        before, after = map(np.diagonal, made)
+        assert after == pytest.approx(factor * before, rel=1e-12)
