@@ -55,9 +55,7 @@ def write(made: Strengthening, folder: Path, pictures: bool = True, view: str = 
     for name in ("parts", "ties"):
         rows = found[name]
         write_csv(folder / f"{name}.csv", [*rows[0]] if rows else ["name"], [list(row.values()) for row in rows], digits=6)
-    head = (
-        f"# {made.asked.goal.words}: {len(made.ties)} ties by masonry-cd strengthen, at the end. Keep files that it names next to it.\n"
-    )
+    head = f"# {made.asked.goal.words}: {len(made.ties)} ties by masonry-cd strengthen, at the end. Keep files that it names next to it.\n"
     with replacing(folder / SCENE) as part:
         part.write_text(head + scene_text(made.asked.scene, made.rows), encoding="utf-8")
     drawn: dict[Path, str] = {}

@@ -139,6 +139,9 @@ def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
                 for each in tables["structure"][name]
             ],
         ],
+        "docs/howto/calibrate.md": [
+            lambda tables: parse_table(StudyTables, {"scene": "pier.toml", "design": "sample", "samples": 100, **tables}, "")
+        ],
         "docs/howto/code_check.md": [lambda tables: limit_table(tables["limit"])],
         "docs/howto/plans.md": [
             lambda tables: [parse_table(StoreyTable, each, "structure.storeys") for each in tables["structure"]["storeys"]],
