@@ -6,6 +6,13 @@ from __future__ import annotations
 INK, FAINT = "#23272b", "#5f666d"
 # Okabe & Ito (2008): distinguishable by colour-blind readers
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+ENERGIES = (
+    "#7f6a4a",
+    "#c9b79c",
+    CURVES[0],
+    "#5f666d",
+    *CURVES[1:6],
+)  # where it went: radiation, ground, crushing, bond, damping ... kinetic
 AXES = {"x": "#b2382c", "y": "#2f7d3b", "z": "#2b5fa8"}
 GRADES = {"D0": "#eef0f2", "D1": "#fff3c4", "D2": "#fed98e", "D3": "#fe9929", "D4": "#cc4c02", "D5": "#7a2500"}
 DARK = ("D4", "D5")  # of them those on which letters are white

@@ -21,11 +21,13 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.energy_terms import LIFT, LOSSES, WORKS
-from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
-from reports.drawing.plots import heading
+from reports.drawing.figure import INK, plain_axes, save, zero_line
+from reports.drawing.palette import ENERGIES
+from reports.drawing.plots import STROKES, colour, heading
 from reports.files import Job, Output
 
 GOES = dict(reversed(LOSSES.items()))  # from below
+HUES = dict(zip(GOES, ENERGIES, strict=True))
 UNITS = ((1e-6, "MJ"), (1e-3, "kJ"), (1.0, "J"), (1e3, "mJ"), (1e6, "µJ"))
 POINTS = 4000  # steps drawn at most; more of them share a pixel
 
@@ -46,11 +48,11 @@ def energy_figure(results: Results) -> Any:
     figure = blank((12.0, 8.2), 110, layout="constrained")
     heading(figure, f"Energy: {results.title}")
     upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(3.2, 2.2, 1.1))
-    hues, labels = [COLOURS[[*GOES].index(key)] for key in goes], [GOES[key] for key in goes]
+    hues, labels = [HUES[key] for key in goes], [GOES[key] for key in goes]
     upper.stackplot(time, [factor * energy[key] for key in goes], colors=hues, labels=labels, alpha=0.75, linewidth=0)
     upper.plot(time, put_in, color=INK, linewidth=1.4, linestyle="--", label="put in")
     for k, key in enumerate([*works, *_present(energy, LIFT)]):
-        look = {"color": INK, "linestyle": ":"} if key in LIFT else {"color": COLOURS[2 - k], "linestyle": ("-", "--", "-.")[k]}
+        look = {"color": INK, "linestyle": ":"} if key in LIFT else {"color": colour(2 - k), "linestyle": STROKES[(0, 1, 3, 2)[k % 4]]}
         middle.plot(time, factor * energy[key], linewidth=1.8, label=(WORKS | LIFT)[key], **look)
     largest = max(float(np.abs(energy[key]).max()) for key in ("kinetic", *works, *_present(energy, LIFT)))
     lower.plot(time, energy["balance"] / largest if largest > 0.0 else energy["balance"], color=INK, linewidth=1.2)

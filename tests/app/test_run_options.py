@@ -164,7 +164,7 @@ def test_the_estimate_is_near_the_file(block_on_plate, tmp_path: Path) -> None:
 def test_a_run_that_the_disc_has_no_room_for(block_on_plate, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, out = block_on_plate(duration="duration = 10.0\nframes_per_second = 1000.0"), tmp_path / "out"
     monkeypatch.setattr(shutil, "disk_usage", lambda place: SimpleNamespace(free=1_000_000, total=10_000_000))
-    line = "run.frames_per_second: the results would take about 0.00536 GB, 0.001 GB are free where"
+    line = "run.frames_per_second: the results would take about 0.0056 GB, 0.001 GB are free where"
     code, said = invoke("run", scene, "-o", out)
     assert (code, said.count("\n")) == (2, 1)
     assert said.startswith(f"masonry-cd: error: {scene}:17: {line} {out} lies; fewer frames, "), said

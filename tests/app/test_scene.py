@@ -286,6 +286,8 @@ PURE = {
     *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
     *("above", "below"),  # of whatever a gauge shows
     *("return_period", "years", "nominal_life", "frequency", "probability"),  # in years, and per year
+    *("hazard_factor", "return_factor", "material_damping"),  # of a spectrum, and of a soil
+    *("factor", "zeta_E", "pushes", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening
 }
 """Keys whose numbers have no unit."""
 

@@ -149,8 +149,8 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 MODULES = sorted(path.stem for path in (ROOT / "masonry_cd" / "interface").glob("*.py"))
 WITH_EXAMPLES = {
-    "assessing", "calibrating", "comparison", "limit", "modal", "results",
-    "run_stress", "running", "scenes", "simulation", "studies",
+    "assessing", "calibrating", "comparison", "hazard", "limit", "modal", "results",
+    "run_stress", "running", "scenes", "simulation", "strengthening", "studies",
 }  # fmt: skip
 
 
