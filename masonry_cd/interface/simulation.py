@@ -50,8 +50,7 @@ class Simulation(Copies):
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of.
         forces: in addition to those of the scene's loads: a dict of forces on single blocks by name, each a function of time that gives
-        (3,) [N],
-            or (6,) with the moment about the centre of mass [N m], or a pair of arrays, times (N,) [s] and values, or a
+            (3,) [N], or (6,) with the moment about the centre of mass [N m], or a pair of arrays, times (N,) [s] and values, or a
             :class:`masonry_cd.Force` with its point; or a field, a function ``f(now)`` of
             :class:`masonry_cd.interface.own_forces.Now` that gives (B, 3 or 6); or a list of such.
         motions: imposed on blocks by name: each a function of time that gives the velocity (3,) [m/s], or (6,) with the angular one
