@@ -58,7 +58,7 @@ class LineTable(Table):
     at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1)
     """where along the other axis"""
     number: int | None = Field(None, ge=1, le=MOST)
-    """or so many, evenly over the parts; by default one in the middle"""
+    """or their number, evenly over the parts; by default one in the middle"""
     spacing: Annotated[Length, SPACING] | None = None
     """or as many as fit at this distance"""
     parts: tuple[str, ...] | None = Field(None, strict=False, min_length=1, max_length=2)  # fmt: skip

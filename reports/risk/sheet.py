@@ -116,7 +116,7 @@ def write_sheet(sheet: RiskSheet, folder: Path) -> list[Path]:
         mechanisms=[(name, _mechanisms(found)) for name, found in sheet.columns],
         frequencies=[_frequency(row) for row in (sheet.study or {}).get("frequencies", ())],
         formulas=[_formula(step) for step in last["check"]["steps"] if step["part"] in PARTS and step["line"]],
-        assumed=[*dict.fromkeys([*_risk(before)["assumed"], *before["hazard"]["notes"], *check["left_open"]])],
+        assumed=_assumed(sheet),
         drawn=pictures({picture: CAPTION}),
     )
     return [folder / name for name in (PAGE, FACTS, PICTURE)]
@@ -180,7 +180,7 @@ def _least(found: Mapping[str, Any]) -> Mapping[str, Any]:
 def _period(one: Mapping[str, Any]) -> str:
     """A return period with its bound."""
     years = one["return_period_years"]
-    return "–" if years is None else f"{one['return_period_bound']} {number(years, 'years', digits=3)}".strip()
+    return "–" if years is None else f"{one['return_period_bound']} {number(years, 'years', digits=4)}".strip()
 
 
 def _values(found: Mapping[str, Any]) -> dict[str, str]:
@@ -247,6 +247,16 @@ def _line(row: Mapping[str, Any]) -> str:
     """The line of a limit state of the study."""
     name, often, *_ = _frequency(row)
     return f"study, {name}: exceeded {often} times a year, {per_cent(row['probability_50_years'])} in 50 years"
+
+
+def _assumed(sheet: RiskSheet) -> list[str]:
+    """The assumptions and notes of all analyses, each once, with its analysis where others do not have it."""
+    found = {name: [*_risk(each)["assumed"], *each["check"]["notes"], *each["check"]["left_open"]] for name, each in sheet.columns}
+    every = [*dict.fromkeys(line for lines in found.values() for line in lines)]
+    return [
+        line if all(line in lines for lines in found.values()) else f"{line} ({', '.join(name for name in found if line in found[name])})"
+        for line in every
+    ]
 
 
 def _formula(step: Mapping[str, Any]) -> list[str]:
