@@ -21,7 +21,7 @@ from benchmarks.ours import stepper
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head
 from masonry_cd.app.recorder import ROWS_AT_ONCE
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
 
@@ -66,7 +66,7 @@ def measure(made: BenchScene, steps: int) -> Memory:
     joints = find_joints(machine.assembly)
     tracemalloc.start()
     with tempfile.TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, Plan(steps, 20), progress)
+        run(machine, joints, writer, RunPlan(steps, 20), progress)
     tracemalloc.stop()
     return out
 

@@ -168,7 +168,7 @@ def measure(made: BenchScene, steps: int, frame_every: int = 20, **settings: Any
     with tempfile.TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", machine.assembly, found) as writer:
         with clocked(machine) as clocks:
             begin = time.process_time()
-            report = run_loop.run(machine, found, writer, run_loop.Plan(steps + 1, frame_every), progress)
+            report = run_loop.run(machine, found, writer, run_loop.RunPlan(steps + 1, frame_every), progress)
         begin = time.process_time()
         checkpoint.save(Path(folder) / checkpoint.NAME, machine.snapshot(), {})
         saved = time.process_time() - begin

@@ -46,7 +46,7 @@ class RockingScene(BenchScene):
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RockingHistory:
     """Impact times [s], and the peak of |theta| [rad] after each but the last."""
 
     impacts: np.ndarray
@@ -61,7 +61,7 @@ def block_on_base(dt: float) -> RockingScene:
     )
 
 
-def housner(times: np.ndarray) -> tuple[Motion, np.ndarray]:
+def housner(times: np.ndarray) -> tuple[RockingHistory, np.ndarray]:
     """The reference: impacts and peaks, and the angle at some times [rad] to the last impact compared, NaN after it."""
     radius = float(np.hypot(HALF_WIDTH, HALF_HEIGHT))
     p2, restitution = 0.75 * GRAVITY / radius, 1.0 - 1.5 * np.sin(ALPHA) ** 2
@@ -97,17 +97,17 @@ def housner(times: np.ndarray) -> tuple[Motion, np.ndarray]:
         peaks.append(peak)
         spin = restitution * float(state[1])
         side = float(np.sign(spin))
-    return Motion(np.array(impacts), np.array(peaks[1:])), angle
+    return RockingHistory(np.array(impacts), np.array(peaks[1:])), angle
 
 
-def observed(angle: np.ndarray, dt: float) -> Motion:
+def observed(angle: np.ndarray, dt: float) -> RockingHistory:
     """Impacts and peaks of a computed history of the angle, (N + 1,) at t_k = k dt."""
     rocking = int(np.argmax(np.abs(angle) > 1e-5))  # before lift-off the angle is zero but for rounding
     sign = np.sign(angle)
     through = rocking + np.flatnonzero(sign[rocking + 1 :] * sign[rocking:-1] < 0)
     impacts = dt * (through + angle[through] / (angle[through] - angle[through + 1]))
     peaks = [_peak(np.abs(part)) for part in np.split(angle, through + 1)[1:-1]]
-    return Motion(impacts[:IMPACTS], np.array(peaks[: IMPACTS - 1]))
+    return RockingHistory(impacts[:IMPACTS], np.array(peaks[: IMPACTS - 1]))
 
 
 def _peak(size: np.ndarray) -> float:

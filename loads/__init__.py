@@ -27,7 +27,7 @@ from loads.kinds.driven import check_inertia, check_together
 from loads.kinds.gravity import GravityTable
 from loads.kinds.tie import TieTable, bar
 from loads.kinds.tilt import TiltTable, load_factors
-from loads.motion import LoadKind, LoadTable, Part, RunGrid, Turning
+from loads.motion import LoadAction, LoadKind, LoadTable, RunGrid, Turning
 from loads.supports import ShakingTable
 from masonry_cd.foundation import plugins
 from masonry_cd.foundation.errors import InputError, of_each, parse_table, suggest
@@ -90,7 +90,7 @@ def build(
     assembly: Assembly | None = None,
     longest: float | None = None,
     ties: Sequence[tuple[str, Mapping[str, Any]]] = (),
-    own: Sequence[Part] = (),
+    own: Sequence[LoadAction] = (),
     fills: Sequence[Fill] = (),
 ) -> Loading:
     """Sum all [[loads]] tables, and the ties of the structure.
@@ -245,7 +245,7 @@ def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarra
     return not velocity[during].any() and bool((acceleration[during] == acceleration[pause.first]).all())
 
 
-def _check_guides(parts: Sequence[Part], forces: Forces | None, grid: RunGrid) -> None:
+def _check_guides(parts: Sequence[LoadAction], forces: Forces | None, grid: RunGrid) -> None:
     """Check pushes by displacement and props together.
 
     Raises:
@@ -257,7 +257,7 @@ def _check_guides(parts: Sequence[Part], forces: Forces | None, grid: RunGrid) -
         check_inertia(forces.guides, forces.points, grid, wheres)
 
 
-def _given_gravity(every: Sequence[Asked], filled: Sequence[Part]) -> bool:
+def _given_gravity(every: Sequence[Asked], filled: Sequence[LoadAction]) -> bool:
     """Return True if there is a table of kind gravity.
 
     Raises:
@@ -306,7 +306,7 @@ def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
     } | ({"peak_rotation": math.degrees(turned)} if turned else {})
 
 
-def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, np.ndarray | None]:
+def _support_motions(parts: Sequence[LoadAction], grid: RunGrid) -> tuple[np.ndarray, np.ndarray | None]:
     """The distinct motions of the supports and which block follows which.
 
     Args:
@@ -340,7 +340,7 @@ def _support_motions(parts: Sequence[Part], grid: RunGrid) -> tuple[np.ndarray, 
     return (_with_rotation(velocity, of, turning, grid) if turning else velocity), support_of
 
 
-def _turning(parts: Sequence[Part], grid: RunGrid) -> dict[int, Turning]:
+def _turning(parts: Sequence[LoadAction], grid: RunGrid) -> dict[int, Turning]:
     """How supports turn, by their numbers.
 
     Raises:
@@ -370,7 +370,7 @@ def _with_rotation(velocity: np.ndarray, of: Sequence[int], turning: Mapping[int
 
 
 def _distinct(
-    parts: Sequence[Part], turning: Mapping[int, Turning], grid: RunGrid
+    parts: Sequence[LoadAction], turning: Mapping[int, Turning], grid: RunGrid
 ) -> tuple[np.ndarray, np.ndarray, Sequence[int], np.ndarray | None]:
     """Delays and shares of the distinct motions by table, (S, tables) each, a block of each (S,), and the motion of each block (B,)."""
     assembly, n = grid.assembly, len(parts)

@@ -34,7 +34,7 @@ import numpy as np
 
 from loads.bar_frequency import bar_of
 from loads.bars import PointLoad, Tie
-from loads.motion import Part, RunGrid, Static
+from loads.motion import LoadAction, RunGrid, Static
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 
@@ -54,7 +54,7 @@ class Thrust(NamedTuple):
     force: np.ndarray  # (3,) on the block [N]
 
 
-def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
+def part(fill: Fill, grid: RunGrid, shaken: bool) -> LoadAction:
     """Return the action of a fill in a run: bars that press, and bars that resist."""
     assembly = grid.blocks(fill.where)
     pressed, carriers = _thrusts(fill, assembly, math.hypot(*grid.gravity)), _carriers(fill, assembly)
@@ -68,7 +68,7 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> Part:
         lines.append(f"{fill.where}: {len(bars)} faces that move into the fill meet at most {share:.3g} K_p{why}, {most:.4g} N in all")
     summary = {"kind": "fill", "pressure": total, "passive_share": _share(fill, shaken), "passive_most": most, "shaken": shaken}
     falling = {"active_at": fill.active_at, "gone_at": fill.reach} if pressing else {}
-    return Part(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
+    return LoadAction(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
 def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Static:

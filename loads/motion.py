@@ -69,7 +69,7 @@ class RunGrid:
         return self.assembly
 
 
-Motion = Callable[[np.ndarray], np.ndarray]
+MotionOfTime = Callable[[np.ndarray], np.ndarray]
 """Times of the run (n,) [s] -> velocity of the base (n, 3) [m/s]."""
 
 
@@ -82,14 +82,14 @@ class Turning:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class LoadAction:
     """Action of one table in a run. What is left out is zero."""
 
-    motion: Motion | None = None
+    motion: MotionOfTime | None = None
     delay: np.ndarray | None = None  # (B,) by how much a support's motion lags behind [s]
     share: np.ndarray | None = None  # (B,) factor on a support's motion; one when left out
     turning: Turning | None = None  # of the supports that have a share, which then is one
-    more: tuple[Part, ...] = ()  # further motions of supports, of each the four before count
+    more: tuple[LoadAction, ...] = ()  # further motions of supports, of each the four before count
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()  # of what is likely a mistake
@@ -143,7 +143,7 @@ class LoadKind(NamedTuple):
 
     table: type[LoadTable]
     """The model of its keys."""
-    part: Callable[[Any, RunGrid, str], Part]
+    part: Callable[[Any, RunGrid, str], LoadAction]
     """Action in a run, (table, grid, where)."""
     end: Callable[[Any, RunGrid, str], float] | None = None
     """When it has done what it does, for a run that states no duration, (table, grid, where) -> [s]; None: when all of it has acted."""

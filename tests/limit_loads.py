@@ -10,7 +10,7 @@ from models import GRAVITY
 
 from benchmarks.limit import push as push_loads
 from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
-from masonry_cd.analysis.limit.part import Part, Whole
+from masonry_cd.analysis.limit.part import FreedPart, Whole
 from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -25,10 +25,10 @@ def joined(blocks: Sequence[Block], friction: float, laws: Mapping[str, JointLaw
     return assembly, find_joints(assembly)
 
 
-def everything(assembly: Assembly, joints: Joints, analysis: Analysis, loads: Loads) -> Part:
+def everything(assembly: Assembly, joints: Joints, analysis: Analysis, loads: Loads) -> FreedPart:
     """A structure under a push along x as the part that holds everything."""
     whole = Whole(assembly, joints, loads.dead, loads.bars, GRAVITY, lambda group: False)
-    return Part(whole, assembly, ~assembly.fixed, analysis.problem, np.array([GRAVITY, 0.0, 0.0]), loads, Bars.none())
+    return FreedPart(whole, assembly, ~assembly.fixed, analysis.problem, np.array([GRAVITY, 0.0, 0.0]), loads, Bars.none())
 
 
 def pushed(

@@ -24,7 +24,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from loads.kinds.record import sample
-from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, LoadAction, LoadKind, RunGrid, describe, smooth_step
 from loads.signal.accelerogram import Processed, between
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.code_spectrum import SiteSpectrum
@@ -130,7 +130,7 @@ class Match:
     worst: float  # largest |S / S_target - 1| inside the range
 
 
-def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
+def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> LoadAction:
     """The base motion.
 
     Raises:
@@ -147,7 +147,7 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     )
     summary = table.facts("spectrum", "direction", "seed") | {"time_step": STEP, "periods": [low, high], "after": numbers}
     summary["ratio"] = [float(ratio.min()), float(ratio.max())]
-    return Part(
+    return LoadAction(
         motion=lambda times: table.direction.along(sample(motion, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=(*table.lines(processed, f"along {table.direction.label}, from {table.start:g} s of the run", where), met),

@@ -26,7 +26,7 @@ from pydantic import BaseModel, Field
 
 from loads.acted import Acted, share_of
 from loads.bars import PointLoad
-from loads.motion import Direction, Part, RunGrid, strict
+from loads.motion import Direction, LoadAction, RunGrid, strict
 from loads.supports import Names, select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Numbers, Vector
@@ -111,7 +111,7 @@ class Path:
         return np.asarray((self.at(grid.times + half) - self.at(grid.times - half)) / grid.dt)
 
 
-def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid, where: str) -> Part:
+def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid, where: str) -> LoadAction:
     """The guide of blocks that are pushed.
 
     Raises:
@@ -127,7 +127,7 @@ def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid,
     line = f"{where} push of {counted(guide)} along {direction.label}: {how}"
     summary = {"kind": "push", "control": "displacement", "direction": list(direction.vector), "start": start, "end": path.end}
     summary |= {"targets": list(targets), "speed": fastest, "rotation": table.rotation, **named(guide, grid, where)}
-    return Part(forces=(guide,), lines=(line,), summary=summary, acted=Acted(where, "path", path.end, path.passed))
+    return LoadAction(forces=(guide,), lines=(line,), summary=summary, acted=Acted(where, "path", path.end, path.passed))
 
 
 def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:

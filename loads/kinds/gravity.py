@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from loads.acted import over_time
-from loads.motion import LoadKind, LoadTable, Part, RunGrid, Static, smooth_step
+from loads.motion import LoadAction, LoadKind, LoadTable, RunGrid, Static, smooth_step
 from masonry_cd.foundation.fields import Instant
 
 
@@ -24,13 +24,13 @@ class GravityTable(LoadTable):
     """Time in which gravity smoothly comes to its full value."""
 
 
-def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:
+def gravity(table: GravityTable, grid: RunGrid, where: str) -> LoadAction:
     """The acceleration of gravity at the run's times, (N + 1, 3) [m/s2]."""
     factor = smooth_step(grid.times / table.ramp) if table.ramp > 0.0 else np.ones(grid.steps + 1)
     summary = table.facts("ramp") | {"gravity": [float(g) for g in grid.gravity]}
     lines = (f"{where} gravity: ramped smoothly from 0 to 1 over {table.ramp:g} s",) if table.ramp > 0.0 else ()
     acted = over_time(where, "weight", 0.0, table.ramp, lambda x: float(smooth_step(np.array(x))))
-    return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary, acted=acted if table.ramp > 0.0 else None)
+    return LoadAction(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary, acted=acted if table.ramp > 0.0 else None)
 
 
 KINDS = {

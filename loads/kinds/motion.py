@@ -8,7 +8,7 @@ each support and component, each with its unit in brackets:
 
 x, y, z are along the world axes, displacements or velocities by their unit; rx, ry, rz are the components of the rotation vector, axis by
 angle. A name is that of a support or group, and may have * in it; with ``supports`` the columns have components alone. Displacements and
-rotations are counted from the first row, smooth in between, and at rest before and after (:mod:`loads.course`).
+rotations are counted from the first row, smooth in between, and at rest before and after (:mod:`loads.value_history`).
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from loads.course import Course, at_middles
 from loads.kinds.settlement import MOVED, SETTLED
-from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, Static, Turning
+from loads.motion import Direction, DirectionKey, LoadAction, LoadKind, LoadTable, RunGrid, Static, Turning
 from loads.readers.fields import decimal, delimiter_of, split
 from loads.readers.source import Source
 from loads.readers.units import split_heading
 from loads.supports import Names, select_supports
 from loads.turning import by_rotation
+from loads.value_history import ValueHistory, at_middles
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Instant, Numbers, Span, Vector
 from masonry_cd.foundation.quantities import counted, length
@@ -104,10 +104,10 @@ class Moving(NamedTuple):
     """Supports that follow one course."""
 
     supports: np.ndarray  # (B,) bool
-    course: Course  # of six components
+    course: ValueHistory  # of six components
 
 
-def motion(table: MotionTable, grid: RunGrid, where: str) -> Part:
+def motion(table: MotionTable, grid: RunGrid, where: str) -> LoadAction:
     """The motions of the supports.
 
     Raises:
@@ -116,7 +116,7 @@ def motion(table: MotionTable, grid: RunGrid, where: str) -> Part:
     every = _moving(table, grid, where)
     parts = [_part(one, table, grid, where) for one in every]
     times = every[0].course.times
-    together = Course(times, np.concatenate([one.course.values for one in every], axis=1))
+    together = ValueHistory(times, np.concatenate([one.course.values for one in every], axis=1))
     farthest = max(float(np.abs(one.course.at(times)[:, :3]).max()) for one in every)
     angle = math.degrees(max(float(np.abs(one.course.at(times)[:, 3:]).max()) for one in every))
     moved = np.any([one.supports for one in every], axis=0)
@@ -134,12 +134,12 @@ def motion(table: MotionTable, grid: RunGrid, where: str) -> Part:
     )
 
 
-def _part(one: Moving, table: MotionTable, grid: RunGrid, where: str) -> Part:
+def _part(one: Moving, table: MotionTable, grid: RunGrid, where: str) -> LoadAction:
     """Return the part of the loads that drives supports along one course."""
     turns = bool(one.course.values[:, 3:].any())
     about = None if table.about is None else np.array(table.about)
     turning = Turning(lambda grid: by_rotation(at_middles(one.course.at, grid.times, grid.dt)[:, 3:], grid.dt, where), about)
-    return Part(
+    return LoadAction(
         motion=lambda times: np.diff(at_middles(one.course.at, times, grid.dt)[:, :3], axis=0) / grid.dt,
         share=one.supports.astype(float),
         turning=turning if turns else None,
@@ -189,7 +189,7 @@ def _by_support(columns: Sequence[Column], grid: RunGrid, where: str) -> dict[tu
     return out
 
 
-def _course(times: np.ndarray, columns: Sequence[Column]) -> Course:
+def _course(times: np.ndarray, columns: Sequence[Column]) -> ValueHistory:
     """The course of six components (N, 6), by those that are given."""
     values, slopes = np.zeros((len(times), 6)), np.full((len(times), 6), np.nan)
     for column in columns:
@@ -199,7 +199,7 @@ def _course(times: np.ndarray, columns: Sequence[Column]) -> Course:
             values[1:, c] = np.cumsum(0.5 * np.diff(times) * (v[1:] + v[:-1]))
         else:
             values[:, c] = column.values - column.values[0]
-    return Course(times, values, slopes)
+    return ValueHistory(times, values, slopes)
 
 
 def _at_once(every: list[Moving], where: str) -> Iterator[str]:

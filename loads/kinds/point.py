@@ -16,7 +16,7 @@ from pydantic import model_validator
 
 from loads.acted import Acted, share_of
 from loads.bars import PointLoad
-from loads.motion import LoadKind, LoadTable, Part, RunGrid, Static, lifts
+from loads.motion import LoadAction, LoadKind, LoadTable, RunGrid, Static, lifts
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Numbers, Vector
@@ -92,7 +92,7 @@ class PointTable(LoadTable):
         return found
 
 
-def point(table: PointTable, grid: RunGrid, where: str) -> Part:
+def point(table: PointTable, grid: RunGrid, where: str) -> LoadAction:
     """A point load.
 
     Raises:
@@ -104,7 +104,7 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     turns = f"{math.hypot(*load.moment):.4g} N m" if load.moment is not None else ""
     acts = " and ".join(part for part in (f"{size:.4g} N" if size or not turns else "", turns) if part)
     stages = f", in {len(table.stages)} stages up to {table.end:.4g} s" if table.stages else ""
-    return Part(
+    return LoadAction(
         forces=(load,),
         lines=(f'{where} point load of {acts} on "{table.block}"{relation}{stages}',),
         acted=Acted(where, "force", table.end, table.reached),

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from loads.kinds.driven import GuidedKeys, counted, guide_of, named
-from loads.motion import DirectionKey, LoadKind, LoadTable, Part, RunGrid
+from loads.motion import DirectionKey, LoadAction, LoadKind, LoadTable, RunGrid
 from masonry_cd.foundation.errors import InputError
 
 
@@ -20,7 +20,7 @@ class PropTable(GuidedKeys, LoadTable):
     """Axis or vector along which the blocks are held; across it they are free, so one along x holds in the horizontal only."""
 
 
-def prop(table: PropTable, grid: RunGrid, where: str) -> Part:
+def prop(table: PropTable, grid: RunGrid, where: str) -> LoadAction:
     """The guide of blocks that are held along a direction.
 
     Raises:
@@ -31,7 +31,7 @@ def prop(table: PropTable, grid: RunGrid, where: str) -> Part:
     guide = guide_of(table, table.direction, np.zeros(grid.steps + 1), grid, where)
     summary = table.facts("direction") | named(guide, grid, where)
     line = f"{where} prop: {counted(guide)} held along {table.direction.label}{', and from turning' if guide.held else ''}"
-    return Part(forces=(guide,), lines=(line,), summary=summary)
+    return LoadAction(forces=(guide,), lines=(line,), summary=summary)
 
 
 KINDS = {"prop": LoadKind(PropTable, prop, slow=lambda table: True, gentle=True, starter={"blocks": "v14", "direction": "x"})}

@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from loads.acted import over_time
-from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, LoadTable, Part, RunGrid
+from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadAction, LoadKind, LoadTable, RunGrid
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
@@ -40,7 +40,7 @@ class PulseTable(LoadTable):
     """When it begins."""
 
 
-def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
+def pulse(table: PulseTable, grid: RunGrid, where: str) -> LoadAction:
     """The body force at the run's times, (N + 1, 3) [m/s2].
 
     Raises:
@@ -52,7 +52,7 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> Part:
     means = table.acceleration * np.diff(_integral(table, ends)) / grid.dt
     end, size = table.start + table.duration, abs(table.acceleration)
     line = f"{where} pulse, a {table.shape} of {size:.4g} m/s2 ({size / STANDARD_GRAVITY:.3g} g) along {table.direction.label}"
-    return Part(
+    return LoadAction(
         acceleration=table.direction.along(means),
         lines=(f"{line}, {table.start:g} to {end:g} s",),
         summary=table.facts("direction", "acceleration", "shape", "start", "duration"),

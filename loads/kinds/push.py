@@ -19,9 +19,9 @@ from loads.acted import growing
 from loads.kinds.driven import DrivenKeys, driven
 from loads.motion import (
     DirectionKey,
+    LoadAction,
     LoadKind,
     LoadTable,
-    Part,
     Pattern,
     Positive,
     RunGrid,
@@ -74,7 +74,7 @@ class PushTable(DrivenKeys, LoadTable):
         return self
 
 
-def push(table: PushTable, grid: RunGrid, where: str) -> Part:
+def push(table: PushTable, grid: RunGrid, where: str) -> LoadAction:
     """The body force at the run's times, (N + 1, 3) [m/s2], or the guide of blocks that are moved.
 
     Raises:
@@ -86,7 +86,7 @@ def push(table: PushTable, grid: RunGrid, where: str) -> Part:
     _, size = gravity_of(grid, where)
     limit = np.inf if table.peak is None else table.peak
     factor = np.minimum(table.initial + rate * np.maximum(grid.times - table.start, 0.0), limit)
-    return Part(
+    return LoadAction(
         acceleration=size * table.direction.along(factor),
         lines=(f"{where} push along {table.direction.label}: lambda {factor[0]:g} to {factor[-1]:.4g} at {rate:g} per second",),
         summary=table.facts("direction", "start", "initial", "rate") | {"peak": float(factor[-1])},

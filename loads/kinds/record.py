@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from loads.motion import DirectionKey, FromFile, LoadKind, Part, RunGrid, smooth_step
+from loads.motion import DirectionKey, FromFile, LoadAction, LoadKind, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process
 from loads.signal.baseline import History
 from loads.signal.intensity import reached
@@ -62,7 +62,7 @@ class RecordTable(Scaled, Recorded, ShakingTable):
     """Turns the direction about z, counter-clockwise seen from above."""
 
 
-def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
+def record(table: RecordTable, grid: RunGrid, where: str) -> LoadAction:
     """The base motion.
 
     Raises:
@@ -75,7 +75,7 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
     summary = table.facts("path", "correction") | {"direction": list(direction.vector), "factor": factor} | processed.numbers()
     begin, end = summary["window"]
     how = f"along {direction.label}: {begin:g} to {end:g} s of it, from {table.start:g} s of the run, times {factor:.6g}"
-    return Part(
+    return LoadAction(
         motion=lambda times: direction.along(sample(after, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=(*table.lines(processed, how, where), *_warnings(table, grid, where, after)),

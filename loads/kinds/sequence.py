@@ -27,7 +27,7 @@ from pydantic import BeforeValidator, Field
 
 from loads.kinds.artificial import SpectrumMatch
 from loads.kinds.record import Recorded, grown, sample
-from loads.motion import Direction, FromFile, LoadKind, Part, Positive, RunGrid
+from loads.motion import Direction, FromFile, LoadAction, LoadKind, Positive, RunGrid
 from loads.signal.accelerogram import Processed, Scaled
 from loads.signal.intensity import reached
 from loads.supports import ShakingTable
@@ -93,7 +93,7 @@ class _Ready:
         return out
 
 
-def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
+def sequence(table: SequenceTable, grid: RunGrid, where: str) -> LoadAction:
     """The base motion, the shocks and the pauses.
 
     Raises:
@@ -122,7 +122,7 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
         timed += [f'shock "{acts.name}": {acts.first * grid.dt:g} to {acts.last * grid.dt:g} s of the loads', *said]
     if end > grid.steps:
         timed.append(f"{where} the run ends at {grid.end:g} s: run.duration = {end * grid.dt:g} would hold all shocks and rests")
-    return Part(
+    return LoadAction(
         motion=motion,
         delay=delay,
         lines=tuple(timed),

@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import Field
 
 from loads.acted import Acted, over_time
-from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid, Static, lifts
+from loads.motion import Direction, DirectionKey, LoadAction, LoadKind, LoadTable, MotionOfTime, RunGrid, Static, lifts
 from loads.supports import Names, NeededNames, bearing, select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
@@ -70,7 +70,7 @@ class SettlementTable(SpreadingTable):
     """How far they move."""
 
 
-def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
+def settlement(table: SettlementTable, grid: RunGrid, where: str) -> LoadAction:
     """The motion of the supports named.
 
     Raises:
@@ -78,7 +78,7 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     """
     moving = _sinking(table, grid, where)
     along = f"{table.displacement:g} m along {table.direction.label}"
-    return Part(
+    return LoadAction(
         motion=_pulse(table, grid, where),
         share=moving,
         lines=(f"{where} settlement of {counted(int(moving.sum()), 'support')} by {along}, {_when(table)}",),
@@ -106,7 +106,7 @@ def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]
     )
 
 
-def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
+def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> LoadAction:
     """The motion of the supports named, or of all.
 
     Raises:
@@ -115,7 +115,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
     share, extent = _parting(table, grid, where)
     over = f"over {extent:.4g} m along {table.direction.label}"
     moving = select_supports(table.supports, grid, f"{where}.supports")
-    return Part(
+    return LoadAction(
         motion=_pulse(table, grid, where),
         share=share,
         lines=(f"{where} spreading of {counted(int(moving.sum()), 'support')} by {table.displacement:g} m {over}, {_when(table)}",),
@@ -134,7 +134,7 @@ def _parting(table: SpreadingTable, grid: RunGrid, where: str) -> tuple[np.ndarr
     return np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0), float(high - low)
 
 
-def _pulse(table: SpreadingTable, grid: RunGrid, where: str) -> Motion:
+def _pulse(table: SpreadingTable, grid: RunGrid, where: str) -> MotionOfTime:
     """The velocity of the whole displacement as a function of time."""
     if table.duration < FEWEST_STEPS * grid.dt:
         raise InputError(f"{where}.duration", f"{table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
@@ -177,7 +177,7 @@ def _senses(table: SettlementTable, down: np.ndarray, where: str) -> Iterator[tu
         yield f"{where}.displacement", f"{where}.displacement: {rises}"
 
 
-def _kind(model: type[LoadTable], part: Callable[[Any, RunGrid, str], Part], **more: Any) -> LoadKind:
+def _kind(model: type[LoadTable], part: Callable[[Any, RunGrid, str], LoadAction], **more: Any) -> LoadKind:
     return LoadKind(model, part, static=_static, pattern=lambda table: "settlement", gentle=True, **more)
 
 

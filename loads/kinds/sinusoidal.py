@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import model_validator
 
 from loads.acted import over_time
-from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadKind, Part, Positive, RunGrid, describe, smooth_step
+from loads.motion import STANDARD_GRAVITY, DirectionKey, LoadAction, LoadKind, Positive, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
@@ -78,7 +78,7 @@ class SinusoidalTable(ShakingTable):
         return np.where((since > 0.0) & (since < self.length), wave, 0.0)
 
 
-def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
+def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> LoadAction:
     """The base motion.
 
     Raises:
@@ -90,7 +90,7 @@ def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
             f"{where}.frequency", f"{table.frequency:g} Hz is beyond run.dt {grid.dt:g} s, which follows less than {limit:g} Hz"
         )
     numbers = _numbers(table)
-    return Part(
+    return LoadAction(
         motion=lambda times: table.direction.along(table.velocity(times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=_lines(table, grid, where, numbers),

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from loads.bar_frequency import check_phase, felt_mass
 from loads.bars import Tie
-from loads.motion import LoadKind, LoadTable, Part, Positive, RunGrid, Static
+from loads.motion import LoadAction, LoadKind, LoadTable, Positive, RunGrid, Static
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Flag, Vector, check_tension, two_blocks
@@ -71,7 +71,7 @@ class TieTable(LoadTable):
         return self.area if self.area is not None else 0.25 * np.pi * (self.diameter or 0.0) ** 2
 
 
-def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
+def tie(table: TieTable, grid: RunGrid, where: str) -> LoadAction:
     """A tie whose ends lie on its blocks.
 
     Raises:
@@ -80,7 +80,7 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     made = _on_blocks(table, grid, where)
     yields = "" if table.yield_force is None else f", yields at {made.limit:g} N"
     about = f"{made.length:.4g} m, {made.stiffness:.4g} N/m, {table.tension:g} N{yields}"
-    return Part(
+    return LoadAction(
         forces=(made,),
         lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {about}',),
         summary=table.facts("blocks", "section", "tension", "yield_force") | {"length": made.length, "stiffness": made.stiffness},

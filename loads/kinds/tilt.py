@@ -24,9 +24,9 @@ from loads.motion import (
     LEVEL,
     Direction,
     DirectionKey,
+    LoadAction,
     LoadKind,
     LoadTable,
-    Part,
     Positive,
     RunGrid,
     Static,
@@ -66,7 +66,7 @@ class TiltTable(LoadTable):
         return self
 
 
-def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
+def tilt(table: TiltTable, grid: RunGrid, where: str) -> LoadAction:
     """Return the part that the tilt adds to gravity at the run's times, (N + 1, 3) [m/s2].
 
     Raises:
@@ -79,7 +79,7 @@ def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
     phi = np.deg2rad(degrees)
     added = size * (np.outer(libm.cos(phi) - 1.0, down) + np.outer(libm.sin(phi), lean.vector))
     line = f"{where} tilt towards {lean.label}: {degrees[0]:g} to {degrees[-1]:.4g} degrees at {table.rate:g} degrees/s"
-    return Part(
+    return LoadAction(
         acceleration=added,
         lines=(f"{line}, lambda = tan(angle) up to {math.tan(phi[-1]):.4g}",),
         summary=table.facts("start", "initial", "rate") | {"direction": list(lean.vector), "angle": float(degrees[-1])},

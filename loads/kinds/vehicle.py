@@ -36,7 +36,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from loads.acted import Acted, over_time
 from loads.bars import PointLoad
-from loads.motion import LoadKind, LoadTable, Part, Places, RunGrid, Static
+from loads.motion import LoadAction, LoadKind, LoadTable, Places, RunGrid, Static
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
@@ -277,7 +277,7 @@ def strip_loads(table: VehicleTable, fill: Fill, first: np.ndarray) -> tuple[Str
     return strips, total
 
 
-def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
+def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> LoadAction:
     """A vehicle that stands or crosses.
 
     Raises:
@@ -286,7 +286,7 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> Part:
     fill, loads = _loads(table, grid, where)
     summary = table.facts("name", "offset", "position", "speed", "start")
     summary |= {"axles": list(table.known.loads), "spacing": list(table.known.spacing)}
-    return Part(forces=tuple(loads), lines=(_line(table, fill, where),), summary=summary, acted=_acted(table, fill, where))
+    return LoadAction(forces=tuple(loads), lines=(_line(table, fill, where),), summary=summary, acted=_acted(table, fill, where))
 
 
 def _loads(table: VehicleTable, grid: RunGrid, where: str) -> tuple[Fill, list[PointLoad]]:

@@ -42,11 +42,11 @@ def _known(value: str) -> str:
 
 Rule = Annotated[str, AfterValidator(_known)]
 
-Motion = Mapping[str, History]
+Components = Mapping[str, History]
 """The components of a motion by their axes, "x", "y", "z"."""
 
 
-def component(motion: Motion, axis: str, what: str) -> History:
+def component(motion: Components, axis: str, what: str) -> History:
     """The component along an axis.
 
     Raises:
@@ -57,7 +57,7 @@ def component(motion: Motion, axis: str, what: str) -> History:
     return motion[axis]
 
 
-def horizontal(motion: Motion, what: str) -> tuple[History, History]:
+def horizontal(motion: Components, what: str) -> tuple[History, History]:
     """The components x and y, alike in time step and length.
 
     Raises:

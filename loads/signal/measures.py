@@ -24,7 +24,7 @@ from functools import partial
 import numpy as np
 
 from loads.signal.baseline import History
-from loads.signal.directions import ANGLES, AXES, PAIRS, ROTATED, RULES, Motion, component, horizontal, rotated
+from loads.signal.directions import ANGLES, AXES, PAIRS, ROTATED, RULES, Components, component, horizontal, rotated
 from loads.signal.incremental_velocity import ALPHA, BETA, fiv3
 from loads.signal.intensity import arias, cumulative_absolute_velocity, significant_duration
 from loads.signal.response import Oscillators, response_spectrum
@@ -95,7 +95,7 @@ class Measure:
     quantity: Single | Spectral  # k numbers of an accelerogram, of which one is made
     rule: str  # of the components, see loads.signal.directions
 
-    def value(self, motion: Motion) -> float:
+    def value(self, motion: Components) -> float:
         """The measure of a motion, in ``unit``.
 
         Raises:
@@ -108,7 +108,7 @@ class Measure:
             return PAIRS[self.rule](self._of(x), self._of(y))
         return self.quantity.combined(ROTATED[self.rule](self.quantity.around(x, y)))
 
-    def factor(self, level: float, motion: Motion) -> float:
+    def factor(self, level: float, motion: Components) -> float:
         """Return the factor for a motion by which the measure becomes ``level``, in ``unit``, above zero.
 
         Raises:
@@ -243,7 +243,7 @@ def parse(text: str, where: str = "measure", rule: str = "x") -> Measure:
     return Measure(f"{name}{inside}:{chosen}", family.unit, family.order, quantity, chosen)
 
 
-def spectrum(motion: Motion, rule: str, periods: np.ndarray) -> np.ndarray:
+def spectrum(motion: Components, rule: str, periods: np.ndarray) -> np.ndarray:
     """Sa of a motion at periods (k,) of zero or more, for 5 % damping [m/s2].
 
     Args:
@@ -276,7 +276,7 @@ def of_one_component(texts: Sequence[str] | None, where: str) -> list[Measure]:
     return found
 
 
-def in_words(measures: Sequence[Measure], motion: Motion) -> str:
+def in_words(measures: Sequence[Measure], motion: Components) -> str:
     """Measures of a motion, for a line to the user."""
     return ", ".join(f"{measure.name.removesuffix(':x')} {measure.value(motion):.4g} {measure.unit}" for measure in measures)
 

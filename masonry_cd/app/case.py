@@ -43,7 +43,7 @@ from masonry_cd.mechanics.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
     from loads.acted import Acted
-    from loads.motion import Part
+    from loads.motion import LoadAction
     from masonry_cd.app.events import EventTable
     from masonry_cd.mechanics.model.fill import Fill
     from structures import Made
@@ -200,7 +200,7 @@ def _doubted(scene: Scene) -> Iterator[None]:
         raise InputError.of([*error.faults, *(Fault("", line) for line in doubts)]) from None
 
 
-def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Part] = ()) -> Case:
+def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[LoadAction] = ()) -> Case:
     """Build and check all that a run needs.
 
     Args:

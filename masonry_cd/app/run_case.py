@@ -29,7 +29,7 @@ from masonry_cd.app.inputs import digests, require_same
 from masonry_cd.app.load_factor import outcome, tie_bars
 from masonry_cd.app.per_step import QUANTITIES
 from masonry_cd.app.progress import Interrupt, Progress, TimedOut
-from masonry_cd.app.run_loop import Checkpoints, Plan
+from masonry_cd.app.run_loop import Checkpoints, RunPlan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.summary import loads_acted, run_summary, tolerances
@@ -192,7 +192,7 @@ def _steps(
             stepper,
             case.joints,
             writer,
-            Plan(
+            RunPlan(
                 case.steps,
                 settings.frame_every,
                 pauses_of(case),

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Plan:
+class RunPlan:
     """How far a run goes, and what it writes."""
 
     steps: int  # of the loads, how many in all, those before a resumption included
@@ -65,7 +65,7 @@ def run(
     stepper: Stepper,
     joints: Joints,
     writer: ResultWriter,
-    plan: Plan,
+    plan: RunPlan,
     progress: Callable[[int], None] | None = None,
     checkpoints: Checkpoints | None = None,
 ) -> RunReport:

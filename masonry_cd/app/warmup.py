@@ -34,7 +34,7 @@ import numpy as np
 
 from masonry_cd import mechanics
 from masonry_cd.app import compile_progress
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.foundation import jit, kernel_store
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -240,7 +240,7 @@ def shake_cubes(kind: SceneKind, unsolved: bool = False) -> None:
         if unsolved:
             machine.islands.solver = _unsolved
         machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
-        run(machine, joints, writer, Plan(STEPS, stress=kind.stress))
+        run(machine, joints, writer, RunPlan(STEPS, stress=kind.stress))
 
 
 def _elasticity(planar: bool, strained: int, spheres: bool) -> dict[str, Any]:

@@ -158,15 +158,15 @@ def calibrate(
     ('', ['material.masonry.E'])
     """
     from masonry_cd.studies.calibrate import command
-    from masonry_cd.studies.calibrate.plan import Calibration as Plan
+    from masonry_cd.studies.calibrate.plan import Calibration as CalibrationPlan
     from masonry_cd.studies.study.study_case import Options
     from masonry_cd.studies.study.study_file import read_study
 
     place, keeper = place_of(folder)
     if isinstance(source, Mapping):
-        plan = of_tables(source, place, force, Plan.of, lambda made: command.Sampling(made).plan)
+        plan = of_tables(source, place, force, CalibrationPlan.of, lambda made: command.Sampling(made).plan)
     else:
-        plan = Plan.of(read_study(Path(source)))
+        plan = CalibrationPlan.of(read_study(Path(source)))
     where = command.Sampling(plan).plan.where(workers, scheduler, None if slurm is None else Path(slurm))
     with without_main():
         result = command.calibrate(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), said(progress))

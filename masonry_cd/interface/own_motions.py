@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from loads.course import Course, at_middles
-from loads.motion import Part, RunGrid, Turning
+from loads.motion import LoadAction, RunGrid, Turning
 from loads.turning import Turned, by_rotation, by_velocity
+from loads.value_history import ValueHistory, at_middles
 from masonry_cd.app.case import Structure, assembled, structure_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
@@ -37,7 +37,7 @@ class Motion:
     of: Literal["velocity", "displacement"] = "velocity"
 
 
-def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Part]]:
+def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[LoadAction]]:
     """The structure of a scene with some blocks as supports, and what each of these adds to the loads.
 
     Args:
@@ -58,7 +58,7 @@ def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[Pa
     return replace(assembled(scene, blocks, built.notes, built.bars), fills=built.fills), parts
 
 
-def _part(motion: Motion, block: int, blocks: list[Block], dt: float) -> Part:
+def _part(motion: Motion, block: int, blocks: list[Block], dt: float) -> LoadAction:
     """The part of the loads that drives one block.
 
     Raises:
@@ -72,7 +72,7 @@ def _part(motion: Motion, block: int, blocks: list[Block], dt: float) -> Part:
     about = None if motion.about is None else numbers(motion.about, f"{where}.about", (3,))
     course = None
     if motion.of == "displacement" and not callable(motion.history):
-        course = Course(*(numbers(each, where) for each in motion.history))
+        course = ValueHistory(*(numbers(each, where) for each in motion.history))
         course.check_steps(dt, where)
 
     def values(times: np.ndarray) -> np.ndarray:
@@ -89,7 +89,7 @@ def _part(motion: Motion, block: int, blocks: list[Block], dt: float) -> Part:
         return by_rotation(at_middles(values, grid.times, dt)[:, 3:], dt, where)
 
     turns = values(np.zeros(1)).shape[1] == WRENCH
-    return Part(
+    return LoadAction(
         motion=linear,
         share=share,
         turning=Turning(turned, about) if turns else None,

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from loads.motion import LoadKind, Part, RunGrid
+from loads.motion import LoadAction, LoadKind, RunGrid
 from loads.readers.source import Reader as RecordReader
 from masonry_cd.analysis.limit.part import Whole
 from masonry_cd.interface.joint_law import JointLaw
@@ -39,7 +39,7 @@ __all__ = [
     "StructureKind",
 ]
 
-LoadPart = Callable[[Any, RunGrid, str], Part]
+LoadPart = Callable[[Any, RunGrid, str], LoadAction]
 """The function of a :class:`LoadKind`: what a table adds to a run on a grid of times; messages begin with the place of the table."""
 
 

@@ -14,7 +14,7 @@ from masonry_cd.interface.own_forces import block_named, free_block
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.overlaps import deepest_overlap
-from masonry_cd.mechanics.dynamics.system import Motion
+from masonry_cd.mechanics.dynamics.system import MotionState
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
@@ -135,7 +135,7 @@ def checked_state(wanted: Any, stepper: Stepper) -> State:
     return state
 
 
-def require_apart(stepper: Stepper, before: Motion) -> None:
+def require_apart(stepper: Stepper, before: MotionState) -> None:
     """Check that blocks which were moved do not overlap.
 
     Raises:

@@ -33,7 +33,7 @@ from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder, place_of
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
-from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.plan import StudyPlan
 from masonry_cd.studies.study.study_case import Options, plan_of, plan_of_study, require_own
 from masonry_cd.studies.study.study_file import Study as CheckedStudy
 from masonry_cd.studies.study.study_file import parse_study
@@ -240,7 +240,7 @@ def open_study(folder: str | os.PathLike[str]) -> Study:
     return Study(Path(folder))
 
 
-def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, force: bool) -> Plan:
+def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, force: bool) -> StudyPlan:
     """The plan of a study, checked."""
     if isinstance(source, Mapping):
         return plan_of_tables(source, folder, force)
@@ -287,13 +287,13 @@ CALLED = "study"  # one made in Python, in messages
 FILE = "study.toml"
 
 
-def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> Plan:
+def plan_of_tables(tables: Mapping[str, Any], folder: Path, force: bool) -> StudyPlan:
     """The plan of a study made in Python, see :func:`of_tables`."""
     return of_tables(tables, folder, force, plan_of_study, lambda plan: plan)
 
 
 def of_tables(
-    tables: Mapping[str, Any], folder: Path, force: bool, make: Callable[[CheckedStudy], Made], plan_in: Callable[[Made], Plan]
+    tables: Mapping[str, Any], folder: Path, force: bool, make: Callable[[CheckedStudy], Made], plan_in: Callable[[Made], StudyPlan]
 ) -> Made:
     """The value that is made of a study in Python; the files that hold its arrays are written into its folder, once all is checked.
 

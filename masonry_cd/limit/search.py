@@ -27,7 +27,7 @@ ASK = "limit.starts = 2 does"
 
 
 @dataclass(frozen=True)
-class Ways:
+class SearchSettings:
     """How to solve."""
 
     analysis: Options
@@ -36,7 +36,7 @@ class Ways:
     begins_at_parts: bool  # whether it begins at mechanisms of parts that practice looks at as well
 
 
-def ways(structure: LimitStructure, loads: StaticLoads) -> Ways:
+def ways(structure: LimitStructure, loads: StaticLoads) -> SearchSettings:
     """How to solve as the table ``[limit]`` of a structure asks for it.
 
     In space each start is expensive: by default a search is made for a check only, of a structure that is not large, and ends where starts
@@ -47,9 +47,9 @@ def ways(structure: LimitStructure, loads: StaticLoads) -> Ways:
     usual = asked.starts if asked.starts is not None else STARTS if planar else 0
     options = Options(usual, seed)
     if asked.starts is not None or planar or asked.check is None:
-        return Ways(options, options, usual, not planar and usual > 1)
+        return SearchSettings(options, options, usual, not planar and usual > 1)
     small = interfaces(structure.assembly, structure.joints, None).count <= SEARCHED
-    return Ways(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0, small)
+    return SearchSettings(replace(options, starts=FIRST if small else 0), options, STARTS if small else 0, small)
 
 
 def search_words(analysis: Analysis) -> str:

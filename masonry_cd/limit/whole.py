@@ -19,7 +19,7 @@ from masonry_cd.analysis.limit.found import Found, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.analysis.limit.oscillator import BY_CURVE, Oscillator, oscillator
-from masonry_cd.analysis.limit.part import Part, part_of
+from masonry_cd.analysis.limit.part import FreedPart, part_of
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.analysis.limit.ties import LimitTie, limit_ties
 from masonry_cd.app.limit_table import CurveTable
@@ -27,7 +27,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.curve import follow
 from masonry_cd.limit.left_state import NO_CURVE, against_undamaged, left_state
 from masonry_cd.limit.parts import whole_of
-from masonry_cd.limit.search import Ways, doubt, search_numbers, search_words
+from masonry_cd.limit.search import SearchSettings, doubt, search_numbers, search_words
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import at_start_only
 from masonry_cd.mechanics.model.joints import Joints
@@ -51,7 +51,7 @@ class WholeAnalysis:
     structure: LimitStructure  # as analysed: where a run left it, if the scene says so
     loads: StaticLoads
     analysis: Analysis
-    how: Ways
+    how: SearchSettings
     untied: Sequence[Source]  # mechanisms found without the ties
     no_untied: str  # the reason why there are none of these; empty where there are, and without ties
     curve: CapacityCurve | None = None
@@ -94,7 +94,7 @@ class WholeAnalysis:
 
 
 def analyse_whole(
-    structure: LimitStructure, loads: StaticLoads, how: Ways, parts: Sequence[ElementAnalysis], curve: bool = False
+    structure: LimitStructure, loads: StaticLoads, how: SearchSettings, parts: Sequence[ElementAnalysis], curve: bool = False
 ) -> WholeAnalysis:
     """Analyse a structure under the load that its scene multiplies.
 
@@ -160,7 +160,7 @@ def _begun_at_parts(analysis: Analysis, structure: LimitStructure, loads: Static
     return with_overturning(with_mechanisms(analysis, structure.assembly, structure.joints, known), whole_of(structure, loads), way)
 
 
-def _searched_on(analysis: Analysis, structure: LimitStructure, how: Ways) -> Analysis:
+def _searched_on(analysis: Analysis, structure: LimitStructure, how: SearchSettings) -> Analysis:
     """An analysis whose search goes on until starts agree, where one was made."""
     if not analysis.starts:
         return analysis
@@ -175,7 +175,7 @@ def as_part(whole: WholeAnalysis) -> ElementAnalysis:
     way, free = np.asarray(loads.direction), ~assembly.fixed
     element = MacroElement(THE_WHOLE, "whole", np.flatnonzero(free), (loads.direction,), ())
     around = whole_of(whole.structure, loads)
-    part = Part(around, assembly, free, analysis.problem, around.gravity * way, loads.at(), Bars.none())
+    part = FreedPart(around, assembly, free, analysis.problem, around.gravity * way, loads.at(), Bars.none())
     found = sorted(candidates(analysis, whole.untied, part), key=lambda one: one.oscillator.acceleration())
     if check is not None and check.by_displacements:
         found = _followed(whole, part, found)
@@ -184,7 +184,7 @@ def as_part(whole: WholeAnalysis) -> ElementAnalysis:
     return ElementAnalysis(element, way, tuple(found), points, 0.0, (), numbers, doubt(analysis), words)
 
 
-def _followed(whole: WholeAnalysis, part: Part, found: Sequence[Found]) -> list[Found]:
+def _followed(whole: WholeAnalysis, part: FreedPart, found: Sequence[Found]) -> list[Found]:
     """The mechanisms, the gravest with the displacement at which their factor vanishes: by the capacity curve where that is known or in a
     plane, where hinges may pass to other joints, else as linkages of bodies."""
     if reason := at_start_only(whole.assembly.laws):
@@ -200,7 +200,7 @@ def _followed(whole: WholeAnalysis, part: Part, found: Sequence[Found]) -> list[
     return gravest_followed(found, follow)
 
 
-def _by_the_curve(whole: WholeAnalysis, part: Part, one: Found) -> Oscillator | None:
+def _by_the_curve(whole: WholeAnalysis, part: FreedPart, one: Found) -> Oscillator | None:
     """The oscillator of a mechanism by the capacity curve of the structure; None where that is not known and expensive."""
     assert one.mechanism is not None
     curve, moves = whole.curve, one.mechanism

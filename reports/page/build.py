@@ -136,7 +136,7 @@ def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndar
 
 
 def _histories(
-    moved: motion.Motion, table: JointDamage, thresholds: Thresholds, largest: float
+    moved: motion.PageMotion, table: JointDamage, thresholds: Thresholds, largest: float
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, Any]]:
     """The histories in whole numbers, their times and units, and the classes of the two colour scales."""
     displacement, metre = motion.whole(moved.displacement)

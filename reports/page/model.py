@@ -20,7 +20,7 @@ from reports.drawing.parts import Lines, Surface
 from reports.drawing.scene import Scene
 from reports.drawing.solids import auto_view, families_of
 from reports.maps.framing import COLLAPSE
-from reports.page.motion import Motion
+from reports.page.motion import PageMotion
 
 COLOURS = {
     "stone": palette.STONE, "support": palette.SUPPORT, "fallen": palette.FALLEN, "parted": palette.PARTED, "edge": palette.EDGE,
@@ -86,7 +86,7 @@ def names_and_words(results: Results, solids: Solids, thresholds: Thresholds) ->
     }
 
 
-def camera(solids: Solids, moved: Motion) -> dict[str, Any]:
+def camera(solids: Solids, moved: PageMotion) -> dict[str, Any]:
     """From where the model is looked at first, and the box that it shows: the blocks at rest and wherever they went, those flung away
     left out. A planar structure that moved most across its plane is not looked at from the front."""
     free, origin = _free(solids), origin_of(solids)

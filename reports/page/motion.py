@@ -28,7 +28,7 @@ FINEST = 1000.0  # codes per factor of e: steps of 0.1 %
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class PageMotion:
     """Motion of B blocks and J joints over F frames."""
 
     frames: np.ndarray  # (F,) indices into the result's frames
@@ -38,9 +38,9 @@ class Motion:
     opening: np.ndarray  # (F, J) [m]
     sliding: np.ndarray  # (F, J) [m]
 
-    def only(self, frames: np.ndarray) -> Motion:
+    def only(self, frames: np.ndarray) -> PageMotion:
         """Some of the frames, given as indices into these."""
-        return Motion(**{item.name: getattr(self, item.name)[frames] for item in fields(self)})
+        return PageMotion(**{item.name: getattr(self, item.name)[frames] for item in fields(self)})
 
 
 def frames_shown(count: int, most: int) -> np.ndarray:
@@ -48,7 +48,7 @@ def frames_shown(count: int, most: int) -> np.ndarray:
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.int64))
 
 
-def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> Motion:
+def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> PageMotion:
     """Read the frames shown, one by one, so that memory holds no more than what is sent."""
     count, blocks, joints = len(frames), len(solids.centre), results.joints.count
     displacement, rotation = np.empty((count, blocks, 3)), np.empty((count, blocks, 3))
@@ -58,10 +58,10 @@ def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> Motion:
         displacement[k] = base.seen(np.asarray(results.position[frame], dtype=float)) - solids.centre
         rotation[k] = rotation_vectors(base.orientations(np.asarray(results.orientation[frame], dtype=float)))
         opening[k], sliding[k] = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
-    return Motion(frames, np.asarray(results.time, dtype=float)[frames], displacement, rotation, opening, sliding)
+    return PageMotion(frames, np.asarray(results.time, dtype=float)[frames], displacement, rotation, opening, sliding)
 
 
-def read_losses(results: Results, solids: Solids, moved: Motion, thresholds: Thresholds) -> tuple[np.ndarray, np.ndarray]:
+def read_losses(results: Results, solids: Solids, moved: PageMotion, thresholds: Thresholds) -> tuple[np.ndarray, np.ndarray]:
     """Which blocks have fallen (F, B) and which joints are separated (F, J) at the frames of a motion.
 
     A frame is looked at closely only where a joint has lost its contact, or a block half of what makes it fallen.

@@ -23,7 +23,7 @@ import numpy as np
 from structures.bridge.layout import SAME, Layout, Support
 from structures.bridge.masonry import top_of
 from structures.courser.bond import LEAST_BOND, cleared
-from structures.courser.courses import Course, cut, heads_of, joined
+from structures.courser.courses import CourseStretch, cut, heads_of, joined
 
 STEP = 0.5  # courses: least height of a stone that levels a chord
 TALL = 1.5  # courses: a steep chord of more than that is cut by beds
@@ -109,13 +109,13 @@ class Half:
         x_end = self.axis if passes else float(self.corners[k, 0])
         return x_end, x_end
 
-    def courses(self) -> list[Course]:
+    def courses(self) -> list[CourseStretch]:
         """From the springing to the road, from the support to where each ends."""
-        found = list[Course]()
+        found = list[CourseStretch]()
         for low, high in pairwise(self.levels):
             start = float(self.corners[0, 0]) if self.slopes and low < self.over_slope - SAME else self.outer
             if high - low > SAME:
-                found.append(Course(low, high, (start, start), self.end(low, high)))
+                found.append(CourseStretch(low, high, (start, start), self.end(low, high)))
         return found
 
 
@@ -126,7 +126,7 @@ def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
         above: x of the upright joints of what stands on the road, of which those of the last course keep clear [m].
     """
     assert layout.keys.walls is not None
-    found, rows = list[np.ndarray](), list[Course]()
+    found, rows = list[np.ndarray](), list[CourseStretch]()
     for support in layout.supports:
         for half, sign in _halves(layout, support):
             found += [_mirrored(polygon, sign) for polygon in half.columns()]
@@ -144,7 +144,7 @@ def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
     return sorted(found, key=lambda polygon: (round(float(polygon[:, 1].min()), 6), float(polygon[:, 0].min())))
 
 
-def _in_bond(layout: Layout, row: Course, met: Sequence[float]) -> list[float]:
+def _in_bond(layout: Layout, row: CourseStretch, met: Sequence[float]) -> list[float]:
     """x of the head joints of a course, in that of two bonds which lies farther from the joints that meet its beds [m].
 
     It begins at the middle of the pier or at the back of the abutment that the course lies over, or at the middle of the course.

@@ -12,7 +12,7 @@ from masonry_cd.mechanics.model.fill import FillFace
 from structures.bridge.layout import Layout, Support
 from structures.bridge.masonry import SLAB, drawn_out
 from structures.bridge.spandrels import pieces
-from structures.courser.courses import Course, cut, divided, heads_of
+from structures.courser.courses import CourseStretch, cut, divided, heads_of
 from structures.geometry.prism import rectangle
 
 SIDES = (("front", -1.0), ("back", 1.0))
@@ -62,7 +62,7 @@ def _rows(layout: Layout, low: float, high: float, start: float, end: float, cou
     unit = layout.keys.walls.unit_length
     found = list[np.ndarray]()
     for number, (below, above) in enumerate(pairwise(divided(low, high, course))):
-        row = Course(below, above, (start, start), (end, end))
+        row = CourseStretch(below, above, (start, start), (end, end))
         found += cut(row, heads_of(row, unit, start + 0.5 * unit * (number % 2)))
     return found
 

@@ -16,17 +16,18 @@ from shapely.geometry import Point
 
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Shell
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, KN_PER_M3
 from structures import size
 from structures.building import columns, junctions, leaves, openings, roofs, vaults
 from structures.building.added_walls import added
 from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay
 from structures.building.slivers import Stone, joined
-from structures.building.stones import Part, across, parts_of, stone, welded
+from structures.building.stones import across, parts_of, stone, welded
 from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
 from structures.building.widths import NARROW
 from structures.geometry import polygons
@@ -44,7 +45,7 @@ class Walls:
     """The walls of a building, ready to be laid."""
 
     table: BuildingTable
-    plan: Plan
+    plan: BuildingPlan
     frames: dict[tuple[int, int], list[Frame]]  # by leg and facet
     layings: list[Laying]  # of each leg
 
@@ -132,7 +133,7 @@ def _legs(walls: Mapping[str, Sequence[BuildingWallTable]], before: Sequence[Bui
     return legs
 
 
-def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> Plan:
+def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> BuildingPlan:
     """The legs with their junctions; where facets of an arc are too short for one, or meet in it, each of its junctions gets a facet."""
     wrong = Faults()
     found = junctions.find(legs, table, wrong)
@@ -146,7 +147,7 @@ def _joined(legs: list[Leg], table: BuildingTable, faults: Faults) -> Plan:
             if len(left.found) < len(wrong.found):
                 legs, found, wrong = bent, again, left
     faults.found += wrong.found
-    return Plan(legs, found)
+    return BuildingPlan(legs, found)
 
 
 def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
@@ -158,7 +159,7 @@ def _estimate(legs: Sequence[Leg], table: BuildingTable) -> float:
     return total
 
 
-def _layings(plan: Plan, table: BuildingTable, frames: dict[tuple[int, int], list[Frame]]) -> list[Laying]:
+def _layings(plan: BuildingPlan, table: BuildingTable, frames: dict[tuple[int, int], list[Frame]]) -> list[Laying]:
     """How each leg is laid; those of one height of course share their beds."""
     legs = plan.legs
     height = [leg.keys.course_height or table.course_height for leg in legs]
@@ -175,7 +176,7 @@ def _layings(plan: Plan, table: BuildingTable, frames: dict[tuple[int, int], lis
     ]
 
 
-def _shared(plan: Plan, height: Sequence[float]) -> dict[float, set[float]]:
+def _shared(plan: BuildingPlan, height: Sequence[float]) -> dict[float, set[float]]:
     """Return, by height of course, the levels where walls of other courses begin or end at junctions: who fills these changes there [m]."""
     found: dict[float, set[float]] = {}
     for junction in plan.junctions:
@@ -189,7 +190,7 @@ def _shared(plan: Plan, height: Sequence[float]) -> dict[float, set[float]]:
     return found
 
 
-def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> None:
+def _check_courses(plan: BuildingPlan, layings: Sequence[Laying], faults: Faults) -> None:
     """Walls that are bonded share their courses."""
     for junction in plan.junctions:
         for pair in junction.pairs:
@@ -203,7 +204,7 @@ def _check_courses(plan: Plan, layings: Sequence[Laying], faults: Faults) -> Non
                 )
 
 
-def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None:
+def _check_feet(plan: BuildingPlan, rows: Sequence[columns.Row], faults: Faults) -> None:
     """A wall that begins above the lowest one has walls or columns under it."""
     lowest = min((leg.base for leg in plan.legs), default=0.0)
     for leg in plan.legs:
@@ -219,7 +220,7 @@ def _check_feet(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None
             faults.add(leg.where, f"wall {leg.keys.name}: nothing is under it at {at}")
 
 
-def _check_columns(plan: Plan, rows: Sequence[columns.Row], faults: Faults) -> None:
+def _check_columns(plan: BuildingPlan, rows: Sequence[columns.Row], faults: Faults) -> None:
     """No column stands in a wall."""
     for row in rows:
         for at in row.places:
@@ -276,7 +277,7 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
     laying = walls.layings[number]
     if laying.leaves is not None:
         return list(leaves.stones(walls.plan, number, laying, walls.frames.get((number, 0), [])))
-    found: list[tuple[int, list[Part]]] = []
+    found: list[tuple[int, list[Shell]]] = []
     before: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the next facet
     first: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the first facet
     for f, facet in enumerate(leg.facets):

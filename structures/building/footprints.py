@@ -42,7 +42,7 @@ class Turns(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class BuildingPlan:
     """The legs of a plan with their junctions."""
 
     legs: Sequence[Leg]
@@ -99,7 +99,7 @@ class Plan:
                 yield own
 
 
-def stands(plan: Plan, arm: Arm, low: float, high: float) -> float:
+def stands(plan: BuildingPlan, arm: Arm, low: float, high: float) -> float:
     """Share of a height that a leg fills at a junction: 1 where it stands all the way up, 0 where not at all."""
     leg = plan.legs[arm.leg]
     facet = leg.facets[arm.facet]
@@ -110,7 +110,7 @@ def stands(plan: Plan, arm: Arm, low: float, high: float) -> float:
     return max(0.0, least) / (high - low) if least < high - low - SAME else 1.0
 
 
-def order(plan: Plan, junction: Junction, course: int, low: float, high: float) -> Turns:
+def order(plan: BuildingPlan, junction: Junction, course: int, low: float, high: float) -> Turns:
     """The legs that stand at a junction in a course, those that do so all the way up first."""
     arms = {arm.leg: arm for pair in junction.pairs for arm in pair.arms}
     share = {leg: stands(plan, arm, low, high) for leg, arm in arms.items()}
@@ -119,7 +119,7 @@ def order(plan: Plan, junction: Junction, course: int, low: float, high: float) 
     return Turns(_in_turn(junction, whole, course), _in_turn(junction, part, course))
 
 
-def _grazes(plan: Plan, arm: Arm, low: float, high: float) -> bool:
+def _grazes(plan: BuildingPlan, arm: Arm, low: float, high: float) -> bool:
     """Return True if any of a leg stands at a junction between two heights."""
     leg = plan.legs[arm.leg]
     tops = [z for _, z in leg.tops_between(leg.facets[arm.facet], arm.low, arm.high)]
@@ -145,7 +145,7 @@ def _first_of(pair: Pair, course: int) -> int:
     return 1 - pair.through if other else pair.through
 
 
-def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
+def _drawn_out(plan: BuildingPlan, number: int, f: int) -> Polygon:
     """The strip of a facet, at junctions where it ends up to the far face of each wall there."""
     leg = plan.legs[number]
     facet, half = leg.facets[f], 0.5 * leg.thickness
@@ -166,7 +166,7 @@ def _drawn_out(plan: Plan, number: int, f: int) -> Polygon:
     return Polygon(corners)
 
 
-def _left_of(plan: Plan, number: int, f: int, before: frozenset[int], rivals: frozenset[Rival]) -> list[Polygon]:
+def _left_of(plan: BuildingPlan, number: int, f: int, before: frozenset[int], rivals: frozenset[Rival]) -> list[Polygon]:
     """Return the part of a facet that the legs before it leave, and its rivals where they are higher; narrow parts are by themselves."""
     left: BaseGeometry = plan.shape(number, f)
     for other in sorted(before):
@@ -182,19 +182,19 @@ def _left_of(plan: Plan, number: int, f: int, before: frozenset[int], rivals: fr
     return [_snapped(piece, 0.5 * thickness) for piece in cut]
 
 
-def _met(plan: Plan, number: int, other: int) -> list[int]:
+def _met(plan: BuildingPlan, number: int, other: int) -> list[int]:
     """The facets of another leg that meet one."""
     return sorted({arm.facet for j in plan.junctions if number in j.legs for p in j.pairs for arm in p.arms if arm.leg == other})
 
 
-def _seen_from(plan: Plan, own: tuple[int, int], other: tuple[int, int]) -> Polygon:
+def _seen_from(plan: BuildingPlan, own: tuple[int, int], other: tuple[int, int]) -> Polygon:
     """The footprint of a facet in the coordinates s, n of another."""
     facet, across = (plan.legs[leg].facets[f] for leg, f in (own, other))
     ring = np.array(plan.shape(*other).exterior.coords)[:-1]
     return Polygon(_on_faces(facet.local(across.place(ring)), 0.5 * plan.legs[own[0]].thickness))
 
 
-def _higher(plan: Plan, own: tuple[int, int], other: tuple[int, int], first: bool) -> BaseGeometry:
+def _higher(plan: BuildingPlan, own: tuple[int, int], other: tuple[int, int], first: bool) -> BaseGeometry:
     """Where another facet is higher than one, s, n of this; where both are as high, all or nothing of it."""
     (leg, facet), (rival, across) = ((plan.legs[k], plan.legs[k].facets[f]) for k, f in (own, other))
     shared = plan.shape(*own).intersection(_seen_from(plan, own, other))

@@ -12,17 +12,18 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
+from masonry_cd.mechanics.model.geometry import Shell
 from structures.building.axes import SAME, Leg
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
 from structures.building.panels import Laying, Piece, lay, running
 from structures.building.slivers import Stone
-from structures.building.stones import Part, across
+from structures.building.stones import across
 from structures.building.widths import fat_pieces
 from structures.courser.wall_plan import CORE
 
 
-def stones(plan: Plan, number: int, laying: Laying, frames: Sequence[Frame]) -> Iterator[Stone]:
+def stones(plan: BuildingPlan, number: int, laying: Laying, frames: Sequence[Frame]) -> Iterator[Stone]:
     """The stones of a straight leg, leaf by leaf."""
     leg, leaves = plan.legs[number], laying.leaves
     assert leaves is not None
@@ -53,6 +54,6 @@ def _at_end(piece: Piece, leg: Leg) -> bool:
     return left < SAME or right > leg.facets[0].length - SAME
 
 
-def _parts(piece: Piece, leg: Leg, reach: tuple[float, float]) -> tuple[Part, ...]:
+def _parts(piece: Piece, leg: Leg, reach: tuple[float, float]) -> tuple[Shell, ...]:
     """The convex parts of a stone between two n [m]."""
     return tuple(across(polygon, leg.facets[0], reach) for polygon in fat_pieces(piece.shape))

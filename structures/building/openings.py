@@ -14,7 +14,7 @@ from shapely.geometry import Polygon
 from masonry_cd.foundation.errors import Faults, InputError
 from structures.building.axes import SAME, Leg
 from structures.building.beds import course_range
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.frames import Around, Frame, Named, frame_of
 from structures.building.panels import Laying
 from structures.building.table import BuildingTable, WallOpeningTable
@@ -28,7 +28,9 @@ LEAST_JAMB = 0.05  # masonry between a frame and an end of its wall, a junction 
 Frames = dict[tuple[int, int], list[Frame]]
 
 
-def frames(plan: Plan, table: BuildingTable, faults: Faults, places: Mapping[tuple[int, int], str] = MappingProxyType({})) -> Frames:
+def frames(
+    plan: BuildingPlan, table: BuildingTable, faults: Faults, places: Mapping[tuple[int, int], str] = MappingProxyType({})
+) -> Frames:
     """The frames of all openings by leg and facet; one beyond its wall is a fault. Keys of presets go by wall and opening."""
     legs = plan.legs
     found: Frames = {}
@@ -48,7 +50,7 @@ def frames(plan: Plan, table: BuildingTable, faults: Faults, places: Mapping[tup
     return found
 
 
-def _masonry(plan: Plan, there: tuple[int, int], keys: WallOpeningTable) -> tuple[float, float]:
+def _masonry(plan: BuildingPlan, there: tuple[int, int], keys: WallOpeningTable) -> tuple[float, float]:
     """Masonry next to a hole, on the side that has less of it, and z of the lowest part of the top over it [m]."""
     leg, facet = plan.legs[there[0]], plan.legs[there[0]].facets[there[1]]
     s, half = facet.s_of(keys.at), 0.5 * keys.width
@@ -84,7 +86,7 @@ def _facet_at(legs: Sequence[Leg], wall: int, at: float) -> tuple[int, int]:
     raise InputError("", f"it is beyond the wall, which is {max(facet.span[1] for facet, *_ in own):.4g} m long")
 
 
-def check(plan: Plan, layings: Sequence[Laying], found: Frames, faults: Faults) -> None:
+def check(plan: BuildingPlan, layings: Sequence[Laying], found: Frames, faults: Faults) -> None:
     """Each frame lies in the masonry of its facet, clear of what else is there."""
     for (k, f), some in found.items():
         facet = plan.legs[k].facets[f]
@@ -98,7 +100,7 @@ def check(plan: Plan, layings: Sequence[Laying], found: Frames, faults: Faults) 
                         raise InputError("", f"with its head it overlaps {other.name}, at {place(at)}")
 
 
-def _check_within(plan: Plan, number: int, f: int, frame: Frame, laying: Laying) -> None:
+def _check_within(plan: BuildingPlan, number: int, f: int, frame: Frame, laying: Laying) -> None:
     """Refuse a frame that reaches beyond the top of its wall or its end, over a bend or a junction.
 
     Raises:

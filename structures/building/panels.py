@@ -21,7 +21,7 @@ from shapely.geometry import LineString, Polygon
 
 from structures.building.axes import SAME, Facet, Leg
 from structures.building.beds import course_range
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
@@ -101,7 +101,9 @@ def running(course: int) -> float:
     return 0.5 * (course % 2)
 
 
-def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], shift: Callable[[int], float] = running) -> list[Piece]:
+def lay(
+    plan: BuildingPlan, number: int, f: int, laying: Laying, frames: Sequence[Frame], shift: Callable[[int], float] = running
+) -> list[Piece]:
     """The stones of a facet, without those of its frames."""
     leg = plan.legs[number]
     facet = leg.facets[f]
@@ -120,7 +122,7 @@ def lay(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame]
     return _without_slivers(pieces, laying)
 
 
-def stretches(plan: Plan, number: int, f: int, laying: Laying, frames: Sequence[Frame], course: int) -> Iterator[Stretch]:
+def stretches(plan: BuildingPlan, number: int, f: int, laying: Laying, frames: Sequence[Frame], course: int) -> Iterator[Stretch]:
     """Yield the stretches of a course that a facet fills, from its start on."""
     leg = plan.legs[number]
     facet = leg.facets[f]

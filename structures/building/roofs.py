@@ -21,7 +21,7 @@ from masonry_cd.mechanics.model.polygon import polygon_area
 from structures import size
 from structures.building import vaults
 from structures.building.axes import Facet, Leg
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.table import BuildingRoofTable, BuildingTable, BuildingVaultTable
 from structures.building.vaults import Bay
 from structures.courser.courses import divided
@@ -40,7 +40,7 @@ HIPPED = 4  # walls of a roof of four slopes
 DAMPING = 0.02  # of a tie beam, share of the critical damping
 
 
-def roofs_of(plan: Plan, table: BuildingTable, faults: Faults) -> tuple[list[Block], list[Bar]]:
+def roofs_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> tuple[list[Block], list[Bar]]:
     """The rafters of all roofs and their tie beams; what is wrong is added to the faults."""
     blocks, bars = list[Block](), list[Bar]()
     for k, keys in enumerate(table.roofs):
@@ -161,7 +161,7 @@ def _between_hips(roof: Roof, name: str, section: np.ndarray, ends: tuple[float,
     return replace(block, density=roof.keys.mass * area / block.mass_properties.volume)
 
 
-def _bay(plan: Plan, keys: BuildingRoofTable, z: float) -> tuple[Bay, float]:
+def _bay(plan: BuildingPlan, keys: BuildingRoofTable, z: float) -> tuple[Bay, float]:
     """The bay of a roof with its ridge along y, and by how much half its width grows along that.
 
     Raises:
@@ -178,7 +178,7 @@ def _bay(plan: Plan, keys: BuildingRoofTable, z: float) -> tuple[Bay, float]:
     return (bay.turned() if shape == "domical" and bay.half[0] > bay.half[1] else bay), 0.0
 
 
-def _skewed(plan: Plan, walls: Sequence[tuple[Leg, Facet]], z: float) -> tuple[Bay, float]:
+def _skewed(plan: BuildingPlan, walls: Sequence[tuple[Leg, Facet]], z: float) -> tuple[Bay, float]:
     """As :func:`_bay`, between two walls that are nearly parallel: the ridge lies over the line that halves their angle."""
     faces, middle = [], [facet.place(np.array([0.5 * facet.length, 0.0])) for _, facet in walls]
     for (leg, facet), inside in zip(walls, middle[::-1], strict=True):
@@ -198,7 +198,7 @@ def _skewed(plan: Plan, walls: Sequence[tuple[Leg, Facet]], z: float) -> tuple[B
     return bay, float((half[1] - half[0]) / (high - low))
 
 
-def _tops(plan: Plan, keys: BuildingRoofTable) -> tuple[float, float]:
+def _tops(plan: BuildingPlan, keys: BuildingRoofTable) -> tuple[float, float]:
     """z of the tops of its walls, and the least of their thicknesses [m].
 
     Raises:

@@ -17,7 +17,8 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.strtree import STRtree
 
-from structures.building.stones import WELD, Part, upright
+from masonry_cd.mechanics.model.geometry import Shell
+from structures.building.stones import WELD, upright
 from structures.building.widths import ASIDE, TOUCH, fat_pieces, least_width, narrower
 from structures.geometry import polygons
 
@@ -30,7 +31,7 @@ class Stone:
 
     leg: int
     course: int
-    parts: tuple[Part, ...]
+    parts: tuple[Shell, ...]
     narrow: float  # what of its wall is a sliver [m]
     label: str = ""  # in its course; by default its number
     group: str = ""  # by default that of its wall

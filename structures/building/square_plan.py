@@ -18,7 +18,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures.building import beds, junctions, openings
 from structures.building.axes import SAME, legs_of
 from structures.building.engine import Walls, blocks_of_walls
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.frames import LEAST_MEASURE, Frame, Named
 from structures.building.junctions import Junction, Pair
 from structures.building.panels import Laying, Leaves
@@ -70,7 +70,7 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
     table = _table(walls, sizes)
     faults = Faults()
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
-    plan = Plan(legs, [_in_turns(junction, walls, bonded) for junction in junctions.find(legs, table, faults)])
+    plan = BuildingPlan(legs, [_in_turns(junction, walls, bonded) for junction in junctions.find(legs, table, faults)])
     frames = frames_of(walls, sizes, faults)
     for k, wall in enumerate(walls):
         frames.setdefault((k, 0), []).extend(_left_out(box(a - wall.start, b - wall.start, low, high)) for a, b, low, high in wall.voids)
@@ -87,7 +87,7 @@ def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: Faults) -> openings.F
     table = _table(walls, sizes)
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
     return openings.frames(
-        Plan(legs, []), table, faults, {(k, i): o.key for k, wall in enumerate(walls) for i, o in enumerate(wall.openings)}
+        BuildingPlan(legs, []), table, faults, {(k, i): o.key for k, wall in enumerate(walls) for i, o in enumerate(wall.openings)}
     )
 
 

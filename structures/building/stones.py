@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.geometry import Polyhedron, Shell
 from structures.building.axes import SAME, Facet
 from structures.building.panels import Piece
 from structures.building.widths import NARROW, fat_pieces
@@ -28,18 +28,17 @@ from structures.geometry.near_points import first_of_near
 from structures.geometry.outer_shell import is_closed, outer_shell
 from structures.geometry.prism import between, prism_xz
 
-Part = tuple[np.ndarray, Faces]
 WELD = 1e-8  # corners closer than this are one [m]
 
 
-def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
+def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Shell]:
     """The convex parts of a stone, in the world."""
     half = 0.5 * thickness
     left, _, right, _ = piece.shape.bounds
     a, b = piece.clean
     if left >= a - SAME and right <= b + SAME:
         return [across(polygon, facet, (-half, half)) for polygon in fat_pieces(piece.shape)]
-    found: list[Part] = []
+    found: list[Shell] = []
     level = polygons.is_rectangle(piece.shape)
     narrow = NARROW * thickness  # an end that is cut less obliquely is not for itself
     inner = [s for s, end in ((a, a - left), (b, right - b)) if end > narrow and left < s < right and not level]
@@ -52,18 +51,18 @@ def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Part]:
     return found
 
 
-def across(polygon: np.ndarray, facet: Facet, reach: tuple[float, float]) -> Part:
+def across(polygon: np.ndarray, facet: Facet, reach: tuple[float, float]) -> Shell:
     """A convex polygon s, z drawn out across a facet, between two n [m]."""
     vertices, faces = prism_xz(polygon, *reach)
     return _placed(vertices, facet), faces
 
 
-def upright(plan: np.ndarray, low: float, high: float) -> Part:
+def upright(plan: np.ndarray, low: float, high: float) -> Shell:
     """A convex polygon of the plan (n, 2) drawn up between two heights [m]."""
     return between(*(np.column_stack([plan, np.full(len(plan), z)]) for z in (low, high)))
 
 
-def _at_end(shape: Polygon, area: Polygon, facet: Facet, half: float) -> Iterator[Part]:
+def _at_end(shape: Polygon, area: Polygon, facet: Facet, half: float) -> Iterator[Shell]:
     """A stone that does not have the whole thickness all along."""
     left, low, right, high = shape.bounds
     plans = [ring for part in polygons.polygons(area.intersection(polygons.box(left, right))) for ring in fat_pieces(part)]
@@ -88,7 +87,7 @@ def _placed(local: np.ndarray, facet: Facet) -> np.ndarray:
     return np.column_stack([facet.place(local[:, :2]), local[:, 2]])
 
 
-def stone(name: str, parts: Sequence[Part], density: float, group: str) -> Block:
+def stone(name: str, parts: Sequence[Shell], density: float, group: str) -> Block:
     """One block of convex parts that touch, whether or not they share whole faces."""
     with suppress(InputError):
         whole = compound_block(name, parts, density, group)

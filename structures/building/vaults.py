@@ -26,7 +26,7 @@ from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.building.axes import Facet, Leg
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.table import BuildingTable, BuildingVaultTable
 from structures.courser import rings
 from structures.courser.arch_profiles import RingTable, joints_of
@@ -74,7 +74,7 @@ class Vault:
     bay: Bay
 
 
-def vaults_of(plan: Plan, table: BuildingTable, faults: Faults) -> list[Vault]:
+def vaults_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> list[Vault]:
     """The vaults of a table in their bays; what is wrong is added to the faults."""
     found = []
     for k, keys in enumerate(table.vaults):
@@ -105,7 +105,7 @@ def _placed(block: Block, vault: Vault) -> Block:
 # --- bays -----------------------------------------------------------------------------------------------------------------------------
 
 
-def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
+def bay_of(plan: BuildingPlan, keys: BuildingVaultTable) -> Bay:
     """The bay of a vault.
 
     Raises:
@@ -131,7 +131,7 @@ def bay_of(plan: Plan, keys: BuildingVaultTable) -> Bay:
     return bay.turned() if keys.shape == "barrel" else bay
 
 
-def clear_of(plan: Plan, room: BaseGeometry, z: float) -> Polygon:
+def clear_of(plan: BuildingPlan, room: BaseGeometry, z: float) -> Polygon:
     """The largest part of a room in which no wall stands at a height.
 
     Raises:
@@ -144,7 +144,7 @@ def clear_of(plan: Plan, room: BaseGeometry, z: float) -> Polygon:
     return max(clear, key=lambda part: part.area)
 
 
-def facets_of(plan: Plan, name: str) -> list[tuple[Leg, Facet]]:
+def facets_of(plan: BuildingPlan, name: str) -> list[tuple[Leg, Facet]]:
     """The facets of a wall.
 
     Raises:
@@ -219,18 +219,18 @@ def stands(leg: Leg, z: float) -> bool:
     return leg.base < z - 1e-6 and max(top for _, top in leg.tops) >= z - 1e-6
 
 
-def footprint(plan: Plan, leg: Leg) -> BaseGeometry:
+def footprint(plan: BuildingPlan, leg: Leg) -> BaseGeometry:
     """A leg with its corners filled, in the world."""
     return shapely.union_all([_world(plan, leg, facet) for facet in leg.facets])
 
 
-def _world(plan: Plan, leg: Leg, facet: Facet) -> Polygon:
+def _world(plan: BuildingPlan, leg: Leg, facet: Facet) -> Polygon:
     """A facet with its corners filled, in the world."""
     shape = plan.shape(plan.legs.index(leg), leg.facets.index(facet))
     return Polygon(facet.place(np.array(shape.exterior.coords)[:-1]))
 
 
-def _carried(plan: Plan, vault: Vault) -> None:
+def _carried(plan: BuildingPlan, vault: Vault) -> None:
     """Refuse a vault without walls where it springs.
 
     Raises:

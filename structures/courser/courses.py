@@ -19,7 +19,7 @@ def divided(low: float, high: float, size: float) -> list[float]:
     return [float(place) for place in np.linspace(low, high, max(1, round((high - low) / size)) + 1)]
 
 
-class Course(NamedTuple):
+class CourseStretch(NamedTuple):
     """A stretch of a course: a trapezoid between two levels."""
 
     low: float
@@ -34,15 +34,15 @@ class Course(NamedTuple):
         return np.array([p for i, p in enumerate(points) if max(abs(p[0] - points[i - 1][0]), abs(p[1] - points[i - 1][1])) > SAME])
 
     @property
-    def mirrored(self) -> Course:
+    def mirrored(self) -> CourseStretch:
         """The course mirrored about x = 0."""
         (a, b), (c, d) = self.left, self.right
-        return Course(self.low, self.high, (-c, -d), (-a, -b))
+        return CourseStretch(self.low, self.high, (-c, -d), (-a, -b))
 
 
-def joined(rows: Sequence[Course]) -> list[Course]:
+def joined(rows: Sequence[CourseStretch]) -> list[CourseStretch]:
     """Courses with those of the same levels that begin, upright, where they end."""
-    out = list[Course]()
+    out = list[CourseStretch]()
     for row in sorted(rows, key=lambda r: (round(r.low, 6), round(r.high, 6), min(r.left))):
         last = out[-1] if out else None
         if (
@@ -51,18 +51,18 @@ def joined(rows: Sequence[Course]) -> list[Course]:
             and max(abs(last.right[k] - row.left[k]) for k in (0, 1)) < 1e-7
             and abs(row.left[0] - row.left[1]) < 1e-7
         ):
-            out[-1] = Course(last.low, last.high, last.left, row.right)
+            out[-1] = CourseStretch(last.low, last.high, last.left, row.right)
         else:
             out.append(row)
     return out
 
 
-def heads_of(row: Course, unit: float, start: float) -> list[float]:
+def heads_of(row: CourseStretch, unit: float, start: float) -> list[float]:
     """x of the head joints of a course, whole stones from where its bond begins [m]."""
     return running(max(row.left) + LEAST_HEAD * unit, min(row.right) - LEAST_HEAD * unit, unit, start)
 
 
-def cut(row: Course, heads: Sequence[float]) -> list[np.ndarray]:
+def cut(row: CourseStretch, heads: Sequence[float]) -> list[np.ndarray]:
     """The stones (n, 2) of a course between its head joints."""
     ends = [row.left, *((x, x) for x in heads), row.right]
-    return [Course(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]
+    return [CourseStretch(row.low, row.high, a, b).polygon for a, b in pairwise(ends)]

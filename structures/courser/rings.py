@@ -21,14 +21,12 @@ import numpy as np
 
 from masonry_cd.foundation import libm
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.geometry import Shell
 from structures.courser.bond import even
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between
 
 LEAST = 0.3  # between a head joint and a mitre or jamb, in blocks
-
-Part = tuple[np.ndarray, Faces]
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ class Row:
     profile: np.ndarray  # (4, 2) d, z: lower inner, lower outer, upper outer, upper inner
     gaps: dict[int, float] = field(default_factory=dict)  # by side: half-width of an opening in the middle of the side
     lintels: dict[int, float] = field(default_factory=dict)  # by side: half-length of a lintel there
-    ends: tuple[Part, ...] = ()  # of an open ring: parts joined to its first and to its last stone
+    ends: tuple[Shell, ...] = ()  # of an open ring: parts joined to its first and to its last stone
 
 
 def build(ring: Ring, rows: Sequence[Row], unit: float, density: float, bonded: bool = True) -> list[Block]:
@@ -118,9 +116,9 @@ class _Bond:
         return float(np.abs(own[:, None] - others[None, :]).min())
 
 
-def _stones(ring: Ring, row: Row, half: float, bond: _Bond) -> list[list[Part]]:
+def _stones(ring: Ring, row: Row, half: float, bond: _Bond) -> list[list[Shell]]:
     """The parts of each stone of a row, in order round the ring."""
-    stones: list[list[Part]] = []
+    stones: list[list[Shell]] = []
     for side in range(ring.count):
         for low, high in _stretches(list(map(float, half * bond.heads())), row, side, LEAST * 2.0 * half / bond.count):
             part = _part(ring, side, row.profile, low, high)
@@ -146,7 +144,7 @@ def _stretches(heads: list[float], row: Row, side: int, least: float) -> list[tu
     return [*pairwise(one), *middle, *pairwise(other)]
 
 
-def _part(ring: Ring, side: int, profile: np.ndarray, low: float | None, high: float | None) -> Part:
+def _part(ring: Ring, side: int, profile: np.ndarray, low: float | None, high: float | None) -> Shell:
     """A stretch of a row of one side."""
     d, z = profile.T
     first = ring.place(side, d, -d * ring.slope if low is None else np.full(4, low), z)

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.geometry import Shell
 from structures.courser.arch_profiles import voussoirs
 from structures.courser.bond import even
 from structures.geometry.compound_block import compound_block
@@ -23,8 +23,7 @@ from structures.geometry.prism import between, prism_xz
 
 LEAST = 0.35  # between a head joint and the groin, in blocks
 
-Part = tuple[np.ndarray, Faces]
-Groins = dict[tuple[int, float, float], list[Part]]  # by course and quadrant
+Groins = dict[tuple[int, float, float], list[Shell]]  # by course and quadrant
 
 
 def rows(length: float, unit: float, odd: bool) -> np.ndarray:
@@ -109,7 +108,7 @@ def _course(k: int, count: int, profile: np.ndarray, web: _Web, end: float, unit
     ]
 
 
-def _part(profile: np.ndarray, low: float | None, high: float, web: _Web) -> Part:
+def _part(profile: np.ndarray, low: float | None, high: float, web: _Web) -> Shell:
     """A stretch of a course between two upright planes, or from the groin (None).
 
     Args:

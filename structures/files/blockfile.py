@@ -45,7 +45,7 @@ Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length
 Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0, lt=2**31)]], Field(min_length=3)]], Field(min_length=4)]
 
 
-class Part(BaseModel):
+class PartEntry(BaseModel):
     """A convex part of a block."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
@@ -70,7 +70,7 @@ class Entry(_Keys):
 
     vertices: Vertices
     faces: Loops
-    parts: list[Part] = []
+    parts: list[PartEntry] = []
 
 
 class Sphere(_Keys):
@@ -199,7 +199,7 @@ def _density(parsed: _Keys, density: float) -> float:
     return OF_SUPPORTS if parsed.fixed and math.isnan(density) else density
 
 
-def _shell(entry: Entry | Part, scale: float) -> tuple[np.ndarray, Faces]:
+def _shell(entry: Entry | PartEntry, scale: float) -> tuple[np.ndarray, Faces]:
     """Vertices in metres, and faces."""
     vertices = np.array(entry.vertices)
     return vertices if scale == 1.0 else vertices * scale, tuple(tuple(face) for face in entry.faces)

@@ -30,8 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation import system
-
-Faces = tuple[tuple[int, ...], ...]
+from masonry_cd.mechanics.model.geometry import Faces
 
 
 class Piece(NamedTuple):

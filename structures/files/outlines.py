@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from structures.files.foreign import Faces, Refused
+from masonry_cd.mechanics.model.geometry import Faces
+from structures.files.foreign import Refused
 from structures.geometry.prism import between
 
 KEY = "structure.thickness"

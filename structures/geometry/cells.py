@@ -29,17 +29,17 @@ OPPOSITE = -1.0 + 1e-9  # cosine of the angle between the normals of two faces t
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ConvexCell:
     """A convex part of a stone: a cell, or two parts as one."""
 
     normals: np.ndarray  # (F, 3) of the faces, outward
     offsets: np.ndarray  # (F,) [m]
     corners: np.ndarray  # (V, 3), and points on its faces [m]
     cell: Block | None = None
-    made_of: tuple[Part, ...] = ()
+    made_of: tuple[ConvexCell, ...] = ()
 
     @classmethod
-    def of(cls, cell: Block) -> Part:
+    def of(cls, cell: Block) -> ConvexCell:
         """A convex block."""
         return cls(*planes(cell), cell.vertices, cell)
 
@@ -62,15 +62,15 @@ class Part:
         """Lowest and highest corner of the box about it, and a little more (3,) [m]."""
         return self.corners.min(axis=0) - ON, self.corners.max(axis=0) + ON
 
-    def holds(self, part: Part) -> bool:
+    def holds(self, part: ConvexCell) -> bool:
         """Return True if another one is among those that it is made of."""
         return self is part or any(one.holds(part) for one in self.made_of)
 
-    def touches(self, other: Part) -> bool:
+    def touches(self, other: ConvexCell) -> bool:
         """Return True if the boxes about both touch."""
         return bool((other.box[1] > self.box[0]).all() and (other.box[0] < self.box[1]).all())
 
-    def faces_on(self, other: Part) -> list[tuple[int, int]]:
+    def faces_on(self, other: ConvexCell) -> list[tuple[int, int]]:
         """Numbers of faces of both that lie in one plane and look at each other."""
         if not self.touches(other):
             return []
@@ -78,7 +78,7 @@ class Part:
         near = np.abs(self.offsets[:, None] + other.offsets[None]) < ON
         return [(int(i), int(j)) for i, j in np.argwhere(opposite & near)]
 
-    def contact(self, other: Part) -> float:
+    def contact(self, other: ConvexCell) -> float:
         """Area that both share [m2]."""
         import shapely
 
@@ -94,7 +94,7 @@ class Part:
             total += float(one.intersection(its).area)
         return total
 
-    def united(self, other: Part) -> Part | None:
+    def united(self, other: ConvexCell) -> ConvexCell | None:
         """Both as one; None where that is not convex."""
         for i, j in self.faces_on(other):
             mine, its = (np.arange(len(part.offsets)) != k for part, k in ((self, i), (other, j)))
@@ -103,7 +103,7 @@ class Part:
             normals = np.concatenate([self.normals[mine], other.normals[its]])
             offsets = np.append(self.offsets[mine], other.offsets[its])
             kept = _first_of_each(normals, offsets)
-            return Part(normals[kept], offsets[kept], np.concatenate([self.corners, other.corners]), None, (self, other))
+            return ConvexCell(normals[kept], offsets[kept], np.concatenate([self.corners, other.corners]), None, (self, other))
         return None
 
 
@@ -113,7 +113,7 @@ def planes(solid: Polyhedron | Block) -> Planes:
     return loop_planes(loops)
 
 
-def _within(part: Part, normals: np.ndarray, offsets: np.ndarray) -> bool:
+def _within(part: ConvexCell, normals: np.ndarray, offsets: np.ndarray) -> bool:
     return bool((part.corners @ normals.T - offsets).max() < ON)
 
 
@@ -123,13 +123,13 @@ def _first_of_each(normals: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     return np.flatnonzero(same.argmax(axis=1) == np.arange(len(offsets)))
 
 
-def outside(part: Part, solid: Planes, first: np.ndarray) -> list[Part] | None:
+def outside(part: ConvexCell, solid: Planes, first: np.ndarray) -> list[ConvexCell] | None:
     """Return the rest of a part outside a convex solid, in convex parts; None where they do not meet.
 
     The planes ``first`` (F,) bool cut before the others. Of these that comes first which leaves the thickest parts: a shallow pocket
     is cut off upright to the face that it is in, not along it.
     """
-    rest, beyond = part, list[Part]()
+    rest, beyond = part, list[ConvexCell]()
     left = [(normal, float(offset), bool(early)) for normal, offset, early in zip(*solid, first, strict=True)]
     while True:
         heights = [rest.corners @ normal - offset for normal, offset, _ in left]
@@ -142,7 +142,7 @@ def outside(part: Part, solid: Planes, first: np.ndarray) -> list[Part] | None:
             if below is None:
                 return None
             if above is not None:
-                parts = Part.of(below), Part.of(above)
+                parts = ConvexCell.of(below), ConvexCell.of(above)
                 cuts.append((early, round(min(half.width for half in parts), 6), round(parts[0].width, 6), -k, parts))
         if not cuts:
             return beyond
@@ -151,7 +151,7 @@ def outside(part: Part, solid: Planes, first: np.ndarray) -> list[Part] | None:
         del left[-k]
 
 
-def cut(parts: Iterable[Part], normals: np.ndarray, offsets: np.ndarray) -> list[Part]:
+def cut(parts: Iterable[ConvexCell], normals: np.ndarray, offsets: np.ndarray) -> list[ConvexCell]:
     """Parts cut by planes."""
     found = list(parts)
     for normal, offset in zip(normals, offsets.tolist(), strict=True):
@@ -159,15 +159,17 @@ def cut(parts: Iterable[Part], normals: np.ndarray, offsets: np.ndarray) -> list
         found = [
             one
             for part, h in zip(found, heights, strict=True)
-            for one in ([part] if h.min() > -ON or h.max() < ON else [Part.of(half) for half in halves(part.block, normal, offset) if half])
+            for one in (
+                [part] if h.min() > -ON or h.max() < ON else [ConvexCell.of(half) for half in halves(part.block, normal, offset) if half]
+            )
         ]
     return found
 
 
-def joined(parts: Iterable[Part]) -> list[Part]:
+def joined(parts: Iterable[ConvexCell]) -> list[ConvexCell]:
     """Parts of a stone put together until no two of them make one; the thinnest first."""
     own = dict(enumerate(parts))
-    unions: dict[tuple[int, int], Part | None] = {}  # of pairs that were tried
+    unions: dict[tuple[int, int], ConvexCell | None] = {}  # of pairs that were tried
     found = True
     while found:
         found = False
@@ -182,14 +184,14 @@ def joined(parts: Iterable[Part]) -> list[Part]:
     return sorted(own.values(), key=lambda part: part.width)
 
 
-def _union(parts: Mapping[int, Part], known: dict[tuple[int, int], Part | None], j: int, k: int) -> Part | None:
+def _union(parts: Mapping[int, ConvexCell], known: dict[tuple[int, int], ConvexCell | None], j: int, k: int) -> ConvexCell | None:
     """Two parts as one; None where that is not convex."""
     if (j, k) not in known:
         known[j, k] = parts[j].united(parts[k])
     return known[j, k]
 
 
-def together(parts: Sequence[Part]) -> list[list[Part]]:
+def together(parts: Sequence[ConvexCell]) -> list[list[ConvexCell]]:
     """Parts that hang together by more than an edge, in groups."""
     links = [(i, j) for i, j in combinations(range(len(parts)), 2) if parts[i].contact(parts[j]) > AREA]
     first, second = (np.array([link[k] for link in links], dtype=int) for k in (0, 1))
@@ -197,7 +199,7 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
     return [[parts[i] for i in np.flatnonzero(label == k).tolist()] for k in dict.fromkeys(label.tolist())]
 
 
-def stone_of(block: Block, parts: Sequence[Part]) -> Block:
+def stone_of(block: Block, parts: Sequence[ConvexCell]) -> Block:
     """Convex parts that hang together as one stone, otherwise as a block."""
     first = parts[0].block
     if len(parts) == 1:

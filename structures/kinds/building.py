@@ -22,7 +22,7 @@ from structures.building.meetings import meetings_of
 from structures.building.table import BuildingTable
 from structures.kind import DrawnPlan, Keys, StructureKind, other_seed, scaled
 from structures.layout.ground import ground
-from structures.plans import Plan, open_plan
+from structures.plans import FilePlan, open_plan
 from structures.plans.keys import PlanKeys
 from structures.plans.outlines import outline_of
 from structures.plans.places import drawn_about
@@ -72,7 +72,7 @@ def plan_of(table: Mapping[str, Any], folder: Path, faults: Sequence[Fault] = ()
     return DrawnPlan(tables, walls, plan.left, met.found, frozenset(wrong | set(plan.faults)))
 
 
-def _named(fault: Fault, tables: Mapping[str, Any], plan: Plan) -> str:
+def _named(fault: Fault, tables: Mapping[str, Any], plan: FilePlan) -> str:
     """The name of what a fault speaks of, by its place; empty where it is no entry of a list."""
     found = IN_A_LIST.match(fault.place)
     if found is None:
@@ -82,7 +82,7 @@ def _named(fault: Fault, tables: Mapping[str, Any], plan: Plan) -> str:
     return str(own[number].get("name") or f"{found[2].removesuffix('s')}{number + 1}") if number < len(own) else ""
 
 
-def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan]:
+def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, FilePlan]:
     """The keys of a table and its plan, whose lists come before those of the table; an empty one where it names none.
 
     Raises:
@@ -90,7 +90,7 @@ def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan
     """
     keys = parse_table(BuildingTable, table, "structure")
     if keys.plan is None and not keys.storeys:
-        return keys, Plan.of("", {})
+        return keys, FilePlan.of("", {})
     if keys.plan is not None and keys.storeys:
         raise InputError("structure.storeys", "give one plan, or a drawing for each storey")
     own = {key: value for key, value in table.items() if key != "plan"}
@@ -102,7 +102,7 @@ def _opened(table: Mapping[str, Any], folder: Path) -> tuple[BuildingTable, Plan
         raise error.each(lambda fault: _in_plan(fault, plan)) from None
 
 
-def _in_plan(fault: Fault, plan: Plan) -> Fault:
+def _in_plan(fault: Fault, plan: FilePlan) -> Fault:
     """A fault of an entry of a list, which lies in the file of the plan, or else is counted as in the scene."""
     found = IN_A_LIST.match(fault.place)
     if found is None or found[2] not in plan.entries:

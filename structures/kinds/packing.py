@@ -25,7 +25,7 @@ from structures import size
 from structures.geometry.prism import between, box
 from structures.kind import StructureKind, other_seed
 from structures.layout.ground import ground
-from structures.layout.loose_grains import Plan, count_for, loose, numbers_of
+from structures.layout.loose_grains import ContainerPlan, count_for, loose, numbers_of
 from structures.schema import Length, Share, Table, Thickness, WallHeight
 
 MOST_PLACES = 1e6  # in a layer of the loose spheres, and of small ones in the cell of a large one: some ten megabytes
@@ -75,7 +75,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(PackingTable, table, "structure")
     _check(keys)
     round_plan = keys.form == "cylinder"
-    plan = Plan(keys.diameter, keys.diameter, True) if round_plan else Plan(keys.length, keys.width)
+    plan = ContainerPlan(keys.diameter, keys.diameter, True) if round_plan else ContainerPlan(keys.length, keys.width)
     for k, diameter in enumerate(keys.diameters):
         if diameter > plan.clear:
             inner = "the diameter of the cylinder over the root of two" if round_plan else "the smaller measure of the box"
@@ -103,7 +103,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     return blocks
 
 
-def _refuse_wide(plan: Plan, diameters: tuple[float, ...]) -> None:
+def _refuse_wide(plan: ContainerPlan, diameters: tuple[float, ...]) -> None:
     """Refuse spheres that are dust against their container, or with the largest of them: a layer or cell would have too many places."""
     largest = max(diameters)
     if plan.length / largest * (plan.width / largest) > MOST_PLACES:

@@ -31,7 +31,7 @@ from structures.courser.wall_plan import opening_of
 from structures.kind import Keys, StructureKind, fewer_through_stones, other_seed, scaled
 from structures.layout import rubble
 from structures.layout.ground import ground
-from structures.layout.loose_grains import Plan, count_for
+from structures.layout.loose_grains import ContainerPlan, count_for
 from structures.macro_elements import NORTH, SOUTH, Layout, MacroElement, walls
 from structures.schema import Density, Height, Length, OpeningTable, Share, Table, Thickness, WallHeight
 
@@ -168,7 +168,7 @@ def _rubble(keys: WallTable, wall: wall_plan.Wall, stones: Sequence[Block], beds
     shares = keys.core_shares or (1.0,) * len(diameters)
     if len(shares) != len(diameters):
         raise InputError("structure.core_shares", f"must have one for each of the {len(diameters)} diameters, got {len(shares)}")
-    plan = Plan(wall.end - wall.start, far - near)
+    plan = ContainerPlan(wall.end - wall.start, far - near)
     size.within(count_for(keys.height, plan, diameters, shares, False), "core_diameters")
     through = [b.vertices for b in stones if np.ptp(b.vertices[:, 1]) > wall.far - wall.near - wall_plan.SAME]
     reach = np.array([[v[:, 0].min(), v[:, 0].max(), v[:, 2].min(), v[:, 2].max()] for v in through]).reshape(-1, 4)

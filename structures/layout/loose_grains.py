@@ -18,7 +18,7 @@ LOOSE = 0.05  # by which cells are wider than the spheres in them, at least
 SOLID = 0.6  # share of the volume that poured spheres fill: 0.55 loose, 0.64 shaken; of several sizes more
 
 
-class Plan(NamedTuple):
+class ContainerPlan(NamedTuple):
     """The inside of a container in plan: a rectangle about the origin, or the circle within a square."""
 
     length: float  # along x [m]
@@ -58,13 +58,13 @@ def number_shares(diameters: Sequence[float], shares: Sequence[float], by_volume
     return np.asarray(weights / weights.sum())
 
 
-def count_for(fill: float, plan: Plan, diameters: Sequence[float], shares: Sequence[float], by_volume: bool) -> float:
+def count_for(fill: float, plan: ContainerPlan, diameters: Sequence[float], shares: Sequence[float], by_volume: bool) -> float:
     """Number of spheres that fill a container to a height [m] once they have settled, at the solid fraction SOLID."""
     mean = float(number_shares(diameters, shares, by_volume) @ np.array(diameters) ** 3) * math.pi / 6.0
     return SOLID * plan.area * fill / mean if mean > 0.0 else math.inf  # a volume may underflow
 
 
-def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: int) -> Grains:
+def loose(plan: ContainerPlan, diameters: Sequence[float], numbers: Sequence[int], seed: int) -> Grains:
     """Lay a given number of spheres of each diameter into layers of cells from z = 0 upwards.
 
     Args:
@@ -92,7 +92,7 @@ def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: 
     return Grains(np.concatenate(centres), np.array(sizes))
 
 
-def _cells(plan: Plan, least: float) -> tuple[np.ndarray, tuple[float, float, float]]:
+def _cells(plan: ContainerPlan, least: float) -> tuple[np.ndarray, tuple[float, float, float]]:
     """Low corners of the cells of a layer (n, 2), and the measures of a cell, which are at least ``least`` where there is room [m]."""
     number = [max(1, math.floor(edge / least)) for edge in (plan.length, plan.width)]
     side = (plan.length / number[0], plan.width / number[1])
@@ -103,5 +103,5 @@ def _cells(plan: Plan, least: float) -> tuple[np.ndarray, tuple[float, float, fl
         corners = corners[far <= 0.5 * plan.length]
     if not len(corners):  # of a round plan: those of the square within it, of which one at least takes a sphere
         edge = plan.length / math.sqrt(2.0)
-        return _cells(Plan(edge, edge), least)
+        return _cells(ContainerPlan(edge, edge), least)
     return corners, (*side, least)

@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures.geometry.cells import AREA, Part, Planes, cut, joined, outside, planes, stone_of, together
+from structures.geometry.cells import AREA, ConvexCell, Planes, cut, joined, outside, planes, stone_of, together
 
 CRUMB = 0.02  # of a stone: a piece of it that is smaller goes to the stones next to it, where it would be loose
 SAME = 1e-6  # planes this close are one, their normals and their offsets [m]
@@ -34,7 +34,7 @@ def with_pockets(blocks: Sequence[Block], solids: Sequence[Polyhedron], thin: fl
     """
     low, high = (np.array([end(solid.vertices, axis=0) for solid in solids]) for end in (np.min, np.max))
     sides = [planes(solid) for solid in solids]
-    stones: dict[int, list[Part]] = {}  # parts of those that are cut, by number
+    stones: dict[int, list[ConvexCell]] = {}  # parts of those that are cut, by number
     for k, block in enumerate(blocks):
         meet = (low < block.vertices.max(axis=0) - ON).all(axis=1) & (high > block.vertices.min(axis=0) + ON).all(axis=1)
         left = None if block.fixed else _left(block, [sides[i] for i in np.flatnonzero(meet).tolist()])
@@ -49,13 +49,13 @@ def width_of(block: Block) -> float:
     return min(part.width for part in _own_parts(block))
 
 
-def _stones(block: Block, parts: Sequence[Part]) -> list[Block]:
+def _stones(block: Block, parts: Sequence[ConvexCell]) -> list[Block]:
     """A block as what is left of it."""
     made = [stone_of(block, group) for group in together(parts)]
     return made if len(made) < 2 else [replace(stone, name=f"{block.name}.s{k + 1}") for k, stone in enumerate(made)]
 
 
-def _left(block: Block, solids: Sequence[Planes]) -> list[Part] | None:
+def _left(block: Block, solids: Sequence[Planes]) -> list[ConvexCell] | None:
     """Return the rest of a block outside some convex solids; None where they do not meet it."""
     if not solids:
         return None
@@ -76,9 +76,9 @@ def _on_others(solid: Planes, others: Sequence[Planes]) -> np.ndarray:
     return found
 
 
-def _own_parts(block: Block) -> list[Part]:
+def _own_parts(block: Block) -> list[ConvexCell]:
     """The convex parts of a block."""
-    return [Part.of(replace(block, vertices=part.vertices, faces=part.faces, parts=())) for part in block.convex_parts]
+    return [ConvexCell.of(replace(block, vertices=part.vertices, faces=part.faces, parts=())) for part in block.convex_parts]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +86,8 @@ class _Gift:
     """A piece as a part of a stone."""
 
     to: int  # number of the stone
-    instead: Part  # its part that the piece lies on
-    parts: list[Part]  # what both make
+    instead: ConvexCell  # its part that the piece lies on
+    parts: list[ConvexCell]  # what both make
     width: float  # of the part that the piece is in [m]
     sound: bool  # whether none of these is a sliver
     contact: float  # area [m2]
@@ -98,18 +98,18 @@ class _Stones:
     """Blocks as parts that may change hands."""
 
     blocks: Sequence[Block]
-    cut: dict[int, list[Part]]  # parts of those that are cut or have been given a piece, by number
-    whole: dict[int, list[Part]]  # of others that were looked at
+    cut: dict[int, list[ConvexCell]]  # parts of those that are cut or have been given a piece, by number
+    whole: dict[int, list[ConvexCell]]  # of others that were looked at
     low: np.ndarray  # (B, 3) of the boxes about them [m]
     high: np.ndarray
 
-    def parts(self, k: int) -> list[Part]:
+    def parts(self, k: int) -> list[ConvexCell]:
         """Return the convex parts of a block."""
         if k not in self.cut and k not in self.whole:
             self.whole[k] = _own_parts(self.blocks[k])
         return self.cut[k] if k in self.cut else self.whole[k]
 
-    def beside(self, k: int, part: Part) -> Iterator[tuple[int, Part]]:
+    def beside(self, k: int, part: ConvexCell) -> Iterator[tuple[int, ConvexCell]]:
         """Numbers and parts of other blocks on which a part lies."""
         near = (self.low < part.corners.max(axis=0) + SAME).all(axis=1) & (self.high > part.corners.min(axis=0) - SAME).all(axis=1)
         for j in np.flatnonzero(near).tolist():
@@ -124,7 +124,7 @@ class _Stones:
             self.high[gift.to] = np.maximum(self.high[gift.to], part.box[1])
 
 
-def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[Part]], thin: float) -> None:
+def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[ConvexCell]], thin: float) -> None:
     """Give slivers and crumbs of stones to those next to them, the thinnest first."""
     stones = _Stones(blocks, cut, {}, *(np.array([end(block.vertices, axis=0) for block in blocks]) for end in (np.min, np.max)))
     for _ in range(ROUNDS):
@@ -133,12 +133,12 @@ def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[Part]], thin: flo
             return
 
 
-def _given(stones: _Stones, k: int, loose: bool, part: Part, thin: float) -> bool:
+def _given(stones: _Stones, k: int, loose: bool, part: ConvexCell, thin: float) -> bool:
     """Give a part of stone k, piece by piece, to those on which it lies where it gets thicker there; whether any was given."""
     if part not in stones.cut[k]:  # another one has been joined to it
         return False
     stones.cut[k].remove(part)
-    kept = list[Part]()
+    kept = list[ConvexCell]()
     pieces = _at_joints(part, [one for _, one in stones.beside(k, part)])
     for piece in pieces:
         gifts = [_gift(j, one, piece, thin) for j, one in stones.beside(k, piece)]
@@ -152,7 +152,7 @@ def _given(stones: _Stones, k: int, loose: bool, part: Part, thin: float) -> boo
     return given
 
 
-def _at_joints(part: Part, beside: Sequence[Part]) -> list[Part]:
+def _at_joints(part: ConvexCell, beside: Sequence[ConvexCell]) -> list[ConvexCell]:
     """A part cut by the planes of those that it lies on, but for the ones between them."""
     pieces = [part]
     for other in beside:
@@ -160,14 +160,14 @@ def _at_joints(part: Part, beside: Sequence[Part]) -> list[Part]:
     return pieces
 
 
-def _beside(part: Part, other: Part) -> Planes:
+def _beside(part: ConvexCell, other: ConvexCell) -> Planes:
     """The planes of a part but for those in which it lies on another one."""
     between = {i for i, _ in part.faces_on(other)}
     kept = [i for i in range(len(part.offsets)) if i not in between]
     return part.normals[kept], part.offsets[kept]
 
 
-def _gift(j: int, one: Part, piece: Part, thin: float) -> _Gift:
+def _gift(j: int, one: ConvexCell, piece: ConvexCell, thin: float) -> _Gift:
     """A piece joined to a part of stone j that it lies on."""
     made = joined([*cut([one], *_beside(piece, one)), piece])
     own = next(part for part in made if part.holds(piece))
@@ -175,7 +175,7 @@ def _gift(j: int, one: Part, piece: Part, thin: float) -> _Gift:
     return _Gift(j, one, made, own.width, sound, one.contact(piece))
 
 
-def _slivers(blocks: Sequence[Block], stones: dict[int, list[Part]], thin: float) -> list[tuple[int, bool, Part]]:
+def _slivers(blocks: Sequence[Block], stones: dict[int, list[ConvexCell]], thin: float) -> list[tuple[int, bool, ConvexCell]]:
     """Number of the stone of each, whether it is loose, and the part."""
     found = []
     for k, parts in stones.items():

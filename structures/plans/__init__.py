@@ -23,7 +23,7 @@ FAR = 1000.0  # m: a plan further from the origin, as in the coordinates of a co
 SMALL, LARGE = 2.0, 500.0  # extent of a plan outside of which its unit is doubted [m]
 
 
-class Plan(NamedTuple):
+class FilePlan(NamedTuple):
     """A building as a file describes it."""
 
     tables: dict[str, Any]  # walls with their openings, junctions, vaults, columns ... as in [structure]
@@ -35,13 +35,13 @@ class Plan(NamedTuple):
     floors: list[tuple[str, dict[str, Any]]]  # of storeys: key that asks for each, and its keys
 
     @classmethod
-    def of(cls, name: str, tables: dict[str, Any]) -> Plan:
+    def of(cls, name: str, tables: dict[str, Any]) -> FilePlan:
         """All that a file of a name says."""
         lists = {key: value for key, value in tables.items() if isinstance(value, list)}
         return cls(tables, [], [], {}, (0.0, 0.0), {key: [(name, i) for i in range(len(value))] for key, value in lists.items()}, [])
 
 
-def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] | None = None) -> Plan:
+def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] | None = None) -> FilePlan:
     """Read a plan.
 
     Args:
@@ -69,10 +69,10 @@ def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] |
     for key in ("units", "layers"):
         if key in asked.model_fields_set:
             raise InputError(f"structure.{key}", f"belongs to a drawing; {path.name} is in metres and has no layers")
-    return _model(path) if suffix == ".ifc" else Plan.of(path.name, read_json(path))
+    return _model(path) if suffix == ".ifc" else FilePlan.of(path.name, read_json(path))
 
 
-def _model(path: Path) -> Plan:
+def _model(path: Path) -> FilePlan:
     """The plan of an IFC."""
     from structures.files import foreign
     from structures.plans.ifc_model import element_of, read_model
@@ -81,7 +81,7 @@ def _model(path: Path) -> Plan:
     return _plan(path.name, [*unread], read_model(elements, path.name), "elements")
 
 
-def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> Plan:
+def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> FilePlan:
     """The plan of a DXF."""
     from masonry_cd.foundation.errors import InputError
     from structures.files import foreign
@@ -110,13 +110,13 @@ def _drawing(path: Path, keys: PlanKeys, origin: tuple[float, float] | None) -> 
     return _plan(path.name, notes, found, "entities")._replace(origin=origin)
 
 
-def _plan(name: str, notes: Sequence[str], found: Recognised, what: str) -> Plan:
+def _plan(name: str, notes: Sequence[str], found: Recognised, what: str) -> FilePlan:
     """The plan of a file of which some was recognised, with what there is to say of it before."""
     from structures.plans.recognised import counted
 
     left = [f"{name}: {len(found.left)} {what} are not understood:", *(f"  {line}" for line in counted(found.left))]
     said = [*notes, *found.notes, *(left if found.left else [])]
-    return Plan.of(name, found.tables)._replace(notes=said, left=found.left, faults=found.faults)
+    return FilePlan.of(name, found.tables)._replace(notes=said, left=found.left, faults=found.faults)
 
 
 def _doubt_unit(places: Sequence[np.ndarray], unit: str, name: str) -> None:

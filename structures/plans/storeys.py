@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.foundation.errors import Faults, InputError
-from structures.plans import Plan, open_plan
+from structures.plans import FilePlan, open_plan
 from structures.plans.outlines import outline_of
 from structures.plans.places import place
 
@@ -22,7 +22,7 @@ ADJOINS = 0.02  # walls this near to a room bound it [m]
 RAISED = {"walls": "base", "columns": "base", "vaults": "springing"}  # key that is a height over the foot of the storey
 
 
-def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any]) -> Plan:
+def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any]) -> FilePlan:
     """The plans of all storeys as one; names end with the number of the storey.
 
     Args:
@@ -33,7 +33,7 @@ def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any
     Raises:
         InputError: what is wrong with the drawings, of each the first fault.
     """
-    faults, plans = Faults(), list[Plan]()
+    faults, plans = Faults(), list[FilePlan]()
     for k, storey in enumerate(storeys):
         try:
             if Path(storey.plan).suffix.lower() != ".dxf":
@@ -43,7 +43,7 @@ def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any
             own = f"structure.storeys[{k}].plan"
             faults.found += [fault._replace(place=own) if fault.place == "structure.plan" else fault for fault in error.faults]
     faults.refuse()
-    whole, foot = Plan.of("", {})._replace(origin=plans[0].origin), 0.0
+    whole, foot = FilePlan.of("", {})._replace(origin=plans[0].origin), 0.0
     for number, (storey, plan) in enumerate(zip(storeys, plans, strict=True), start=1):
         raised = {key: [_raised(entry, key, number, foot) for entry in entries] for key, entries in plan.tables.items()}
         for key, entries in raised.items():

@@ -14,7 +14,7 @@ from models import stepper, still, wall
 from masonry_cd.app.case import prepare
 from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
-from masonry_cd.app.run_loop import Checkpoints, Plan, run
+from masonry_cd.app.run_loop import Checkpoints, RunPlan, run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
@@ -81,7 +81,7 @@ def unbroken(tmp_path_factory):
     path, m = tmp_path_factory.mktemp("run") / "unbroken.h5", machine()
     joints = find_joints(m.assembly)
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
-        return path, run(m, joints, writer, Plan(TICKS, FRAME))
+        return path, run(m, joints, writer, RunPlan(TICKS, FRAME))
 
 
 def test_frames_are_at_their_times_and_steps_add_up(unbroken):
@@ -108,10 +108,10 @@ def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, after):
             raise KeyboardInterrupt
 
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
-        assert run(m, joints, writer, Plan(TICKS, FRAME), stop, Checkpoints(saved)).stopped
+        assert run(m, joints, writer, RunPlan(TICKS, FRAME), stop, Checkpoints(saved)).stopped
     m = machine()
     with ResultWriter.resumed(path, checkpoint.load(saved)[1]["rows"]) as writer:
-        report = run(m, joints, writer, Plan(TICKS, FRAME), checkpoints=Checkpoints(saved, resume=True))
+        report = run(m, joints, writer, RunPlan(TICKS, FRAME), checkpoints=Checkpoints(saved, resume=True))
     assert contents(path) == contents(unbroken[0])
     assert report.spans == unbroken[1].spans
     assert report.repeated_error == unbroken[1].repeated_error
@@ -132,12 +132,12 @@ def test_a_checkpoint_that_no_such_run_leaves_is_refused(tmp_path, name, values,
     path, saved, m = tmp_path / "broken.h5", tmp_path / checkpoint.NAME, machine()
     joints = find_joints(m.assembly)
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
-        run(m, joints, writer, Plan(40, FRAME), checkpoints=Checkpoints(saved))
+        run(m, joints, writer, RunPlan(40, FRAME), checkpoints=Checkpoints(saved))
     arrays, numbers = checkpoint.load(saved)
     arrays[name] = np.array(values)
     checkpoint.save(saved, arrays, numbers)
     with ResultWriter.resumed(path, numbers["rows"]) as writer, pytest.raises(InputError, match=line):
-        run(machine(), joints, writer, Plan(TICKS, FRAME), checkpoints=Checkpoints(saved, resume=True))
+        run(machine(), joints, writer, RunPlan(TICKS, FRAME), checkpoints=Checkpoints(saved, resume=True))
 
 
 def test_the_summary_says_how_long_the_steps_were(tmp_path):

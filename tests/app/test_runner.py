@@ -20,7 +20,7 @@ from models import box, gravity, stepper, still, tower, wall
 
 from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage
 from masonry_cd.app import recorder, run_loop
-from masonry_cd.app.run_loop import Checkpoints, Plan, run
+from masonry_cd.app.run_loop import Checkpoints, RunPlan, run
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.staying_support import staying_support
 from masonry_cd.foundation.errors import InputError
@@ -47,7 +47,7 @@ def unbroken(tmp_path_factory):
     path, m = tmp_path_factory.mktemp("run") / "unbroken.h5", machine()
     joints = find_joints(m.assembly)
     with ResultWriter(path, m.assembly, joints, "scene") as writer:
-        return path, run(m, joints, writer, Plan(STEPS, 7))
+        return path, run(m, joints, writer, RunPlan(STEPS, 7))
 
 
 class Killed(BaseException):
@@ -67,14 +67,14 @@ def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, buffer, 
 
     writer = ResultWriter(path, m.assembly, joints, "scene")
     try:
-        report = run(m, joints, writer, Plan(STEPS, 7), stop, Checkpoints(saved))
+        report = run(m, joints, writer, RunPlan(STEPS, 7), stop, Checkpoints(saved))
         assert report.stopped == "interrupted after step 33"
     except Killed:
         pass
     writer.close()
     m = machine()
     with ResultWriter.resumed(path, checkpoint.load(saved)[1]["rows"]) as writer:
-        report = run(m, joints, writer, Plan(STEPS, 7), checkpoints=Checkpoints(saved, resume=True))
+        report = run(m, joints, writer, RunPlan(STEPS, 7), checkpoints=Checkpoints(saved, resume=True))
     assert contents(path) == contents(unbroken[0])
     assert report.steps == STEPS
     assert report.error_max == unbroken[1].error_max
@@ -134,7 +134,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
         m = machine(checkpoint_every=0.0)
         joints = find_joints(m.assembly)
         with ResultWriter(path, m.assembly, joints, "scene") as writer:
-            run(m, joints, writer, Plan(STEPS, 7), leave if steps else None, Checkpoints(saved))
+            run(m, joints, writer, RunPlan(STEPS, 7), leave if steps else None, Checkpoints(saved))
 
     def leave(done: int) -> None:
         if done == steps:
@@ -145,7 +145,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
         checkpoint.mend(saved)
         numbers = checkpoint.load(saved)[1]
         with ResultWriter.resumed(path, numbers["rows"], numbers["mark"]) as writer:
-            run(m, find_joints(m.assembly), writer, Plan(STEPS, 7), leave if steps else None, Checkpoints(saved, resume=True))
+            run(m, find_joints(m.assembly), writer, RunPlan(STEPS, 7), leave if steps else None, Checkpoints(saved, resume=True))
 
     steps = 10
     total = in_a_process_killed_at(0, begin, tmp_path / "count")
@@ -188,13 +188,13 @@ def test_a_checkpoint_of_another_structure_is_refused(tmp_path):
     saved, m = tmp_path / checkpoint.NAME, machine(checkpoint_every=0.0)
     joints = find_joints(m.assembly)
     with ResultWriter(tmp_path / "r.h5", m.assembly, joints) as writer:
-        run(m, joints, writer, Plan(3), lambda step: saved.replace(tmp_path / "kept.npz") if step == 2 else None, Checkpoints(saved))
+        run(m, joints, writer, RunPlan(3), lambda step: saved.replace(tmp_path / "kept.npz") if step == 2 else None, Checkpoints(saved))
     other = machine(columns=3)
     with (
         ResultWriter(tmp_path / "o.h5", other.assembly, find_joints(other.assembly)) as writer,
         pytest.raises(InputError, match="another str"),
     ):
-        run(other, find_joints(other.assembly), writer, Plan(3), checkpoints=Checkpoints(tmp_path / "kept.npz", resume=True))
+        run(other, find_joints(other.assembly), writer, RunPlan(3), checkpoints=Checkpoints(tmp_path / "kept.npz", resume=True))
 
 
 def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
@@ -244,7 +244,7 @@ def test_what_a_gentle_run_leaves_out_is_counted(tmp_path):
     m = stepper(wall(3, 3), steps, support_velocity=velocity, solver="auto", tolerance=1e-8)
     joints = find_joints(m.assembly)
     with ResultWriter(tmp_path / "r.h5", m.assembly, joints) as writer:
-        report = run(m, joints, writer, Plan(steps))
+        report = run(m, joints, writer, RunPlan(steps))
     done = report.left_out
     assert done["broad_phases"] == 1
     assert done["pairs_with_faces_searched"] < 2 * len(m.detector.pairs)  # once each, at the start
@@ -268,7 +268,7 @@ def test_bonds_are_written_and_counted(tmp_path):
     m = stepper(tower(2), 60, acceleration=pull, joints=law)
     joints = find_joints(m.assembly)
     with ResultWriter(tmp_path / "result.h5", m.assembly, joints) as writer:
-        run(m, joints, writer, Plan(60, 10))
+        run(m, joints, writer, RunPlan(60, 10))
     with Results.open(tmp_path / "result.h5") as results:
         share = results.joint_history("bonded")
         table = joint_damage(results)

@@ -16,7 +16,7 @@ from hostile import refused_at
 from models import stepper, tower
 from places import ROOT
 
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import result_writer
 from masonry_cd.io.result_writer import ResultWriter
@@ -28,7 +28,7 @@ def test_a_run_comes_back_as_it_was(tmp_path):
     machine = stepper(tower(3), 10)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "result.h5", machine.assembly, joints, "scene text", "three cubes") as writer:
-        report = run(machine, joints, writer, Plan(10, 4))
+        report = run(machine, joints, writer, RunPlan(10, 4))
     with Results.open(tmp_path / "result.h5") as results:
         assert results.time == pytest.approx([0.0, 4e-3, 8e-3, 10e-3])
         assert results.position[-1] == pytest.approx(machine.state.position)
@@ -125,7 +125,7 @@ def test_a_file_that_was_cut_off_is_reported_at_once(tmp_path, share):
     machine = stepper(tower(2), 5)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "whole.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, Plan(5))
+        run(machine, joints, writer, RunPlan(5))
     whole = (tmp_path / "whole.h5").read_bytes()
     (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
     with refused_at("cut.h5"):
@@ -142,7 +142,7 @@ def test_a_full_disc_is_reported_and_what_was_written_is_kept(tmp_path, monkeypa
             monkeypatch.setattr(result_writer.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
 
     with pytest.raises(OSError, match="no room on the disc"), ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, Plan(20, 4), fill)
+        run(machine, joints, writer, RunPlan(20, 4), fill)
     with Results.open(tmp_path / "result.h5") as kept:
         assert kept.time == pytest.approx([0.0, 4e-3, 8e-3, 12e-3])
 
@@ -189,7 +189,7 @@ def test_a_first_frame_that_fills_the_buffer_does_not_shut_out_what_comes_after(
     machine = stepper(tower(3), 10)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, Plan(10, 4))
+        run(machine, joints, writer, RunPlan(10, 4))
     with Results.open(tmp_path / "result.h5") as kept:
         assert kept.joint_history("normal_force").shape == (4, 3)
 

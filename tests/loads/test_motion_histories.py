@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""loads.kinds.motion, loads.course and loads.turning: supports are where their history says at each step, and turn as it says."""
+"""loads.kinds.motion, loads.value_history and loads.turning: supports are where their history says at each step, and turn as it says."""
 
 from __future__ import annotations
 

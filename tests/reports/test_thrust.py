@@ -15,7 +15,7 @@ from solids import build
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -39,7 +39,7 @@ def computed(folder: Path, blocks: list[Block], steps: int = 3, **settings: obje
     machine = stepper(blocks, steps, **settings)
     joints = find_joints(machine.assembly)
     with ResultWriter(folder / "result.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, Plan(steps))
+        run(machine, joints, writer, RunPlan(steps))
     with Results.open(folder / "result.h5") as results:
         return results.joint_history("normal_force")[-1], results.joint_history("force_point")[-1]
 

@@ -161,7 +161,7 @@ def shaken(tmp_path_factory) -> Path:
     machine = stepper(wall(2, 2), steps, support_velocity=velocity, dt=2e-3, friction=0.4, tolerance=1e-8)
     joints = find_joints(machine.assembly)
     with ResultWriter(path, machine.assembly, joints, title="a wall") as writer:
-        run_loop.run(machine, joints, writer, run_loop.Plan(steps, 20))
+        run_loop.run(machine, joints, writer, run_loop.RunPlan(steps, 20))
     return path
 
 

@@ -8,18 +8,18 @@ import pytest
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures.geometry.cells import Part, joined, outside, planes, stone_of, together
+from structures.geometry.cells import ConvexCell, joined, outside, planes, stone_of, together
 from structures.geometry.checks import check
 from structures.geometry.outer_shell import is_closed, outer_shell
 from structures.geometry.prism import box, prism_xz
 from structures.layout.pockets import with_pockets
 
 
-def part(low: tuple[float, float, float], high: tuple[float, float, float]) -> Part:
-    return Part.of(Block("stone", *box(low, high), 1.0))
+def part(low: tuple[float, float, float], high: tuple[float, float, float]) -> ConvexCell:
+    return ConvexCell.of(Block("stone", *box(low, high), 1.0))
 
 
-def volume(parts: list[Part]) -> float:
+def volume(parts: list[ConvexCell]) -> float:
     return sum(one.block.mass_properties.volume for one in parts)
 
 
@@ -65,7 +65,7 @@ def test_a_sliver_over_a_pocket_goes_to_the_stone_above_it() -> None:
     made = with_pockets(blocks, [solid], 0.02)
     assert [block.name for block in made] == ["low", "high"]
     check(made)
-    parts = [Part.of(Block("", one.vertices, one.faces)) for block in made for one in block.convex_parts]
+    parts = [ConvexCell.of(Block("", one.vertices, one.faces)) for block in made for one in block.convex_parts]
     assert min(one.width for one in parts) > 0.25
     cut = 0.3 * (0.3965 * 1.0)  # its back is at 0.3965 m in the middle of the stone
     assert sum(block.mass_properties.volume for block in made) == pytest.approx(0.48 - cut, rel=1e-9)

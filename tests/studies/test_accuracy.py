@@ -36,7 +36,7 @@ from masonry_cd.studies.accuracy.ensemble import (
     spreads_of,
 )
 from masonry_cd.studies.accuracy.picture import table as markdown
-from masonry_cd.studies.accuracy.scene_runs import Motion, SceneRow, motion_errors, run_rows
+from masonry_cd.studies.accuracy.scene_runs import ComparedMotion, SceneRow, motion_errors, run_rows
 from masonry_cd.studies.accuracy.solver_rows import SolverRow, solver_rows, solvers_for
 from masonry_cd.studies.study.task import Task, run_task
 from reports.drawing.figure import COLOURS
@@ -122,16 +122,16 @@ def test_errors_are_those_of_the_head_of_the_module():
     got[1, 0, 1] = 3e-3
     opening = np.array([[0.0], [2e-3]])
     time = np.array([0.0, 1.0])
-    found = motion_errors(Motion(time, got, 0.5 * opening, 1.0), Motion(time, best, opening, 1.0))
+    found = motion_errors(ComparedMotion(time, got, 0.5 * opening, 1.0), ComparedMotion(time, best, opening, 1.0))
     assert found == pytest.approx((3.0 / 5.0, 0.5))
-    longer = Motion(np.array([0.0, 1.5]), got, opening, 1.0)  # its last frame is at another time, and does not count
-    assert motion_errors(longer, Motion(time, best, opening, 1.0)) == (0.0, 0.0)
+    longer = ComparedMotion(np.array([0.0, 1.5]), got, opening, 1.0)  # its last frame is at another time, and does not count
+    assert motion_errors(longer, ComparedMotion(time, best, opening, 1.0)) == (0.0, 0.0)
 
 
 def test_what_stands_still_has_no_relative_error():
     still, noise = np.zeros((2, 1, 3)), np.full((2, 1, 3), 1e-12)
     time, opening = np.array([0.0, 1.0]), np.zeros((2, 1))
-    assert max(motion_errors(Motion(time, noise, opening, 5.0), Motion(time, still, opening, 5.0))) < 1e-6
+    assert max(motion_errors(ComparedMotion(time, noise, opening, 5.0), ComparedMotion(time, still, opening, 5.0))) < 1e-6
 
 
 def test_a_scene_gets_table_and_picture(block_on_plate, tmp_path):

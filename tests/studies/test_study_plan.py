@@ -17,7 +17,7 @@ from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
 from masonry_cd.studies.study.designs import next_level
-from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.plan import StudyPlan
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.records import matched
 from masonry_cd.studies.study.study_case import plan_of
@@ -27,12 +27,12 @@ from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
 FRICTION = '[vary]\n"material.friction" = {distribution = "lognormal", median = 0.4, beta = 0.15}\n'
 
 
-def planned(folder: Path, text: str, **changes: str) -> Plan:
+def planned(folder: Path, text: str, **changes: str) -> StudyPlan:
     """The plan of a study in a folder."""
     return plan_of(write_study(folder, text, **changes))
 
 
-def with_records(folder: Path, text: str = RECORDS, **changes: str) -> Plan:
+def with_records(folder: Path, text: str = RECORDS, **changes: str) -> StudyPlan:
     """The plan of a study over the three motions."""
     if not (folder / "records").exists():
         write_records(folder)

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from loads.motion import LoadKind, LoadTable, Part, RunGrid
+from loads.motion import LoadAction, LoadKind, LoadTable, RunGrid
 from masonry_cd.foundation.units import Unit, Usual
 
 
@@ -22,7 +22,7 @@ class SurgeTable(LoadTable):
     """T"""
 
 
-def surge(table: SurgeTable, grid: RunGrid, where: str) -> Part:
+def surge(table: SurgeTable, grid: RunGrid, where: str) -> LoadAction:
     """Return the velocity of the base that it adds to a run, at times (n,), (n, 3) [m/s]."""
 
     def velocity(times: np.ndarray) -> np.ndarray:
@@ -31,7 +31,7 @@ def surge(table: SurgeTable, grid: RunGrid, where: str) -> Part:
         return np.outer(np.where(inside, along, 0.0), [1.0, 0.0, 0.0])
 
     summary = {"kind": table.kind, "amplitude": table.amplitude, "length": table.length}
-    return Part(motion=velocity, lines=(f"{where} surge of {table.amplitude:g} m/s over {table.length:g} s",), summary=summary)
+    return LoadAction(motion=velocity, lines=(f"{where} surge of {table.amplitude:g} m/s over {table.length:g} s",), summary=summary)
 
 
 SURGE = LoadKind(SurgeTable, surge)

@@ -29,7 +29,7 @@ from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_
 from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, alike, dilation, found_in
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
-from masonry_cd.analysis.limit.part import Part, Whole
+from masonry_cd.analysis.limit.part import FreedPart, Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.search import Searched, begun_at, least_factor, sought
 from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded
@@ -95,7 +95,7 @@ def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms
     return replace(analysis, problem=problem, least=least, least_mechanism=moves, starts=found.starts)
 
 
-def candidates(analysis: Analysis, untied: Sequence[Source], part: Part) -> list[Found]:
+def candidates(analysis: Analysis, untied: Sequence[Source], part: FreedPart) -> list[Found]:
     """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
 
     Args:

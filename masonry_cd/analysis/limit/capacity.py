@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from masonry_cd.analysis.limit.analysis import STANDS, Options, at_rest
-from masonry_cd.analysis.limit.following import Motion
+from masonry_cd.analysis.limit.following import FollowedMotion
 from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.passing import borne, edge, passed
 from masonry_cd.analysis.limit.problem import Loads
@@ -216,7 +216,7 @@ class _Path:
                 high, above = middle, best.factor
         return best, high, BELOW
 
-    def _passed(self, last: Stage, moving: Motion, used: float) -> tuple[Stage | None, float, str]:
+    def _passed(self, last: Stage, moving: FollowedMotion, used: float) -> tuple[Stage | None, float, str]:
         """Where no factor is borne a step later: the last stage before, by halving, and the one after hinges have passed on."""
         best, high = edge(self.make, last, moving, used, borne_before=True)
         if best is not None:

@@ -55,7 +55,7 @@ class Kept:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FollowedMotion:
     """How blocks move from where they are placed, by bodies: those of one move as one."""
 
     start: Placement
@@ -216,7 +216,7 @@ def _least_norm_sparse(matrix: csr_matrix, wanted: np.ndarray) -> np.ndarray:
     return out
 
 
-def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> Motion:
+def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> FollowedMotion:
     """The motion of a mechanism.
 
     Args:
@@ -257,7 +257,7 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     rigid = _as_bodies(velocity, placed, body)
     carrier = np.where(sliding, faces, 0)
     resistance = Resistance.of_points(giving[touching], best.force[touching], problem.mu[touching], goes_on[touching])
-    return Motion(
+    return FollowedMotion(
         start=Placement.as_built(placed), velocity=rigid, body=body, kept=kept(frames, between, carrier),
         bearing=kept(frames, between & bears, carrier), yielding=kept(giving, touching, faces), resistance=resistance, size=problem.length,
         columns=problem.columns,

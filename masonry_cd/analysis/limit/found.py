@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.analysis.limit.held import held_at
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
-from masonry_cd.analysis.limit.part import Part, Whole
+from masonry_cd.analysis.limit.part import FreedPart, Whole
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.solution import ALIKE, Optimum
 from masonry_cd.foundation.quantities import counted
@@ -39,7 +39,7 @@ class Found:
     stones: bool = False  # whether stones of one course slide by themselves: no mechanism of the part
 
 
-def found_in(part: Part, source: str, optimum: Optimum, dilates: float, name: str = "") -> Found:
+def found_in(part: FreedPart, source: str, optimum: Optimum, dilates: float, name: str = "") -> Found:
     """A mechanism of a part with its oscillator; ``name`` is that of practice, and without one its joints name it."""
     assembly, joints = part.assembly, part.whole.joints
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
@@ -97,7 +97,7 @@ def dilation(problem: LimitProblem, found: Optimum) -> float:
     return float(opening @ np.maximum(found.force[:, 0] + problem.tension, 0.0)) / max(power, 1e-300)
 
 
-def _within(moves: Mechanism, part: Part) -> Mechanism:
+def _within(moves: Mechanism, part: FreedPart) -> Mechanism:
     """A mechanism whose joints outside the part are still."""
     inside = np.zeros(part.whole.joints.count, dtype=bool)
     inside[part.problem.points.joint] = True

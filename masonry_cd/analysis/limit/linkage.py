@@ -18,7 +18,7 @@ from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capa
 from masonry_cd.analysis.limit.found import Found
 from masonry_cd.analysis.limit.mechanism import Mechanism
 from masonry_cd.analysis.limit.oscillator import BY_LINKAGE, Oscillator, bodies_of, oscillator
-from masonry_cd.analysis.limit.part import Part
+from masonry_cd.analysis.limit.part import FreedPart
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.foundation.errors import InputError
@@ -30,7 +30,7 @@ from masonry_cd.mechanics.model.joint_laws import crushing, joint_table
 AT_ONCE = 1e-9  # share of the last displacement at which the friction of interlock is gone
 
 
-def with_displacements(part: Part, one: Found, seed: int) -> Oscillator:
+def with_displacements(part: FreedPart, one: Found, seed: int) -> Oscillator:
     """The oscillator of a mechanism of a part with the displacements at which its factor falls; or with the reason why none is known."""
     made, moves = one.oscillator, one.mechanism
     if made.doubt or moves is None:
@@ -48,7 +48,7 @@ def with_displacements(part: Part, one: Found, seed: int) -> Oscillator:
     return replace(known, alpha=made.alpha, displacement=place, factor=np.concatenate([[made.alpha], known.factor]), by=BY_LINKAGE)
 
 
-def _interlock(part: Part, mechanism: Mechanism) -> float:
+def _interlock(part: FreedPart, mechanism: Mechanism) -> float:
     """The share of a factor that is due to the friction of interlock."""
     moves, bars = mechanism.velocity, part.beds
     line = bars.points[:, 1] - bars.points[:, 0]
@@ -58,7 +58,7 @@ def _interlock(part: Part, mechanism: Mechanism) -> float:
     return float(longer @ bars.strength) / float(np.sum(part.loads.live * moves))
 
 
-def followed(part: Part, moves: Mechanism, seed: int) -> CapacityCurve:
+def followed(part: FreedPart, moves: Mechanism, seed: int) -> CapacityCurve:
     """The capacity curve of a mechanism; its control point is the centre of the body that goes fastest along the push.
 
     Raises:
@@ -87,7 +87,7 @@ def _velocity(moves: Mechanism, assembly: Assembly, body: np.ndarray, k: int, pl
     return np.concatenate([moved[:3] + np.cross(moved[3:], place - assembly.centre[one]), moved[3:]])
 
 
-def _neighbours(part: Part, moving: np.ndarray) -> np.ndarray:
+def _neighbours(part: FreedPart, moving: np.ndarray) -> np.ndarray:
     """Blocks that do not move and touch those that do, or are tied to them; no held stones that rest on them."""
     whole = part.whole
     touches = np.zeros(len(moving), dtype=bool)
@@ -101,7 +101,7 @@ def _neighbours(part: Part, moving: np.ndarray) -> np.ndarray:
     return np.flatnonzero(touches & ~moving)
 
 
-def _assembly(part: Part, body: np.ndarray, kept: np.ndarray) -> Assembly:
+def _assembly(part: FreedPart, body: np.ndarray, kept: np.ndarray) -> Assembly:
     """The bodies and then the blocks that are kept, which are held; each is a group of its own."""
     old, count = part.assembly, int(body.max()) + 1
     members = [np.flatnonzero(body == k) for k in range(count)] + [np.array([b]) for b in kept]
@@ -134,7 +134,7 @@ def _body(name: str, assembly: Assembly, own: np.ndarray, fixed: bool) -> Block:
     return Block(name, np.concatenate([block.vertices for block in blocks]), made, group=name, fixed=fixed, parts=parts)
 
 
-def _friction(part: Part, owner: np.ndarray, count: int) -> np.ndarray:
+def _friction(part: FreedPart, owner: np.ndarray, count: int) -> np.ndarray:
     """Between bodies (count, count): the least of any joint between the two; the least of all between those that have none."""
     assembly, joints = part.assembly, part.whole.joints
     out = np.full((count, count), np.inf)
@@ -147,7 +147,7 @@ def _friction(part: Part, owner: np.ndarray, count: int) -> np.ndarray:
     return np.where(np.isfinite(out), out, float(assembly.friction.min()))
 
 
-def _loads(part: Part, body: np.ndarray, kept: np.ndarray, made: Assembly) -> Loads:
+def _loads(part: FreedPart, body: np.ndarray, kept: np.ndarray, made: Assembly) -> Loads:
     """Return the loads that last to collapse, on the bodies."""
     old, count, whole = part.assembly, int(body.max()) + 1, part.whole
     moving = np.flatnonzero(body >= 0)

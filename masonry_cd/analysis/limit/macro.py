@@ -14,7 +14,7 @@ from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, Found, ali
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.analysis.limit.outcome import SearchNumbers
-from masonry_cd.analysis.limit.part import Part, Whole, part_of, resting
+from masonry_cd.analysis.limit.part import FreedPart, Whole, part_of, resting
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.restrictions import Restriction, restrictions
@@ -96,8 +96,8 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
 
 def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> list[Found]:
     """From restrictions that differ in a height or an angle, the one of least factor without dilation, and of least associated factor."""
-    least: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
-    upper: list[tuple[Optimum, Part, RigidGroups, Restriction]] = []
+    least: list[tuple[Optimum, FreedPart, RigidGroups, Restriction]] = []
+    upper: list[tuple[Optimum, FreedPart, RigidGroups, Restriction]] = []
     for each in made:
         part = part_of(whole, each.free, way)
         bodies = rigid_groups(part.problem, part.assembly, each.bodies)
@@ -117,7 +117,7 @@ def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> lis
     return out
 
 
-def _free(part: Part, known: Sequence[Found], effort: Effort) -> tuple[list[Found], LeastFound | None]:
+def _free(part: FreedPart, known: Sequence[Found], effort: Effort) -> tuple[list[Found], LeastFound | None]:
     """The least mechanism block by block, from starts of its own and from mechanisms that are known."""
     problem = part.problem
     if problem.points.count > effort.most_points:
@@ -146,7 +146,7 @@ def _searched(problem: LimitProblem, begin: tuple[int, int], known: Sequence[np.
     return best, searched_finely(problem, search)[1]
 
 
-def _worded(each: Restriction, part: Part, velocity: np.ndarray) -> str:
+def _worded(each: Restriction, part: FreedPart, velocity: np.ndarray) -> str:
     """The name of a restriction, and where its first body slides at its foot, that it does."""
     if each.name == HORIZONTAL_BENDING:
         return each.name

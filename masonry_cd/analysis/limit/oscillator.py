@@ -24,7 +24,7 @@ from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
-from masonry_cd.analysis.limit.part import Part
+from masonry_cd.analysis.limit.part import FreedPart
 from masonry_cd.mechanics.model.joints import Joints
 
 DILATES = 0.01  # share of the power of the loads; the search in space leaves 0.001 at most
@@ -88,7 +88,7 @@ class Oscillator:
         return self.load_factor(displacement) * self.gravity / self.fraction
 
 
-def oscillator(part: Part, moves: Mechanism, factor: float, dilation: float, curve: CapacityCurve | None = None) -> Oscillator:
+def oscillator(part: FreedPart, moves: Mechanism, factor: float, dilation: float, curve: CapacityCurve | None = None) -> Oscillator:
     """The oscillator of a mechanism.
 
     Args:

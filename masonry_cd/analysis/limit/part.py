@@ -112,7 +112,7 @@ def _covers(block: Block, x: float, y: float) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class FreedPart:
     """Blocks of a structure that are free, and how they are joined to what is held."""
 
     whole: Whole
@@ -149,7 +149,7 @@ def resting(whole: Whole, blocks: np.ndarray) -> np.ndarray:
         free |= more
 
 
-def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
+def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> FreedPart:
     """The problem of the free blocks (B,) under a push along a direction (3,), all else held."""
     assembly = replace(whole.assembly, fixed=~free)
     joints = whole.joints
@@ -173,7 +173,7 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> Part:
         planar = interfaces(assembly, joints, axis)
         points = some_points(planar, touches[planar.joint])
     problem = crushable(problem_at(assembly, points, loads, axis), assembly, joints)
-    return Part(whole, assembly, free, problem, push, loads, beds)
+    return FreedPart(whole, assembly, free, problem, push, loads, beds)
 
 
 def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, Bars, Arms]:

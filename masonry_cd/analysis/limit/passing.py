@@ -16,7 +16,7 @@ Where they find no rest, a part of the structure falls, however the load is held
 
 from __future__ import annotations
 
-from masonry_cd.analysis.limit.following import Motion
+from masonry_cd.analysis.limit.following import FollowedMotion
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Moved, Stage, Stages
 
@@ -59,7 +59,7 @@ def borne(make: Stages, moved: Moved) -> Stage | None:
         return None
 
 
-def edge(make: Stages, start: Stage, moving: Motion, reach: float, borne_before: bool) -> tuple[Stage | None, float]:
+def edge(make: Stages, start: Stage, moving: FollowedMotion, reach: float, borne_before: bool) -> tuple[Stage | None, float]:
     """Where in a step a factor ceases to be borne, or begins to be, by halving.
 
     Args:

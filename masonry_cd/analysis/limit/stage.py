@@ -11,7 +11,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import CAP, Collapse, NoFiniteFactor, Options, collapse_of, largest_factor
 from masonry_cd.analysis.limit.descent import normal_forces
-from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
+from masonry_cd.analysis.limit.following import LOCKED, FollowedMotion, motion
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.moved import moved_joints, touching_gap
@@ -62,7 +62,7 @@ class Stage:
         working = np.flatnonzero((self.mechanism.state > 0) & (self.mechanism.state < 4) & np.isfinite(made.force_point[:, 0]))
         return frozenset((int(joints.block_a[j]), int(joints.block_b[j]), STATES[self.mechanism.state[j]]) for j in working)
 
-    def motion(self) -> Motion:
+    def motion(self) -> FollowedMotion:
         """How the mechanism moves the blocks."""
         return motion(self.problem, self.assembly, self.best, self.mechanism.velocity, _only(self.loads.bars, self.pulling))
 
@@ -196,7 +196,7 @@ class Stages:
                 key = frozenset(map(int, pair))
                 self._slid[key] = self._slid.get(key, 0.0) + float(max(force, 0.0))
 
-    def step(self, stage: Stage, motion: Motion, amount: float) -> tuple[Moved, float]:
+    def step(self, stage: Stage, motion: FollowedMotion, amount: float) -> tuple[Moved, float]:
         """The blocks when the fastest corner has gone ``amount`` [m], or less where blocks meet before; and how far it has gone."""
         moved, least = self._moved(stage, motion, amount), stage.deepest
         if moved.deepest <= least + self.gap:
@@ -217,7 +217,7 @@ class Stages:
                 return over, high  # no motion of that length makes such an overlap: a contact that was too narrow to be found
         return (best, low) if best is not None else (moved, 0.0)
 
-    def _moved(self, stage: Stage, motion: Motion, amount: float) -> Moved:
+    def _moved(self, stage: Stage, motion: FollowedMotion, amount: float) -> Moved:
         end, missed = motion.follow(amount)
         self.uncorrected += math.isinf(missed)
         placed = stage.assembly.placed(end.position, end.rotation)

@@ -32,7 +32,7 @@ from masonry_cd.analysis.limit.crushing import solved_finely
 from masonry_cd.analysis.limit.found import ASSOCIATED, Found, dilation, found_in
 from masonry_cd.analysis.limit.macro import HELD, MOST
 from masonry_cd.analysis.limit.mechanism import mechanism
-from masonry_cd.analysis.limit.part import Part, Whole, part_of
+from masonry_cd.analysis.limit.part import FreedPart, Whole, part_of
 from masonry_cd.analysis.limit.problem import Bars, bar_rows
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -163,7 +163,7 @@ def falling(candidates: Candidates, whole: Whole, free: np.ndarray, way: np.ndar
     Raises:
         Unbounded: no answer.
     """
-    part: Part = part_of(whole, free, way)
+    part: FreedPart = part_of(whole, free, way)
     problem, best = solved_finely(part.problem, lambda finer: largest(finer, np.zeros_like(finer.dead), finer.dead, 1.0))
     if best.factor >= 1.0 - STANDS:
         return None

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
-from masonry_cd.mechanics.contact.motion import Motion
+from masonry_cd.mechanics.contact.motion import BodyMotion
 from masonry_cd.mechanics.contact.pair_memory import PairMemory
 from masonry_cd.mechanics.model.geometry import turned_normal
 
@@ -36,7 +36,7 @@ class ContactSet(NamedTuple):
 
 
 @entry()
-def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: Motion, rows: ContactSet) -> None:
+def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: BodyMotion, rows: ContactSet) -> None:
     """Fill the rows of a set with the points within the margin, in the world frame, and note the row of each."""
     total = 0
     for k in range(memory.parts.shape[0]):

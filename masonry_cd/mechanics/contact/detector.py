@@ -30,7 +30,7 @@ from masonry_cd.mechanics.contact.facets import Facets, Overlay
 from masonry_cd.mechanics.contact.faults import TooManyPoints, UnexplainedOverlap
 from masonry_cd.mechanics.contact.flat_contact import look_again
 from masonry_cd.mechanics.contact.joint_points import CRUSHES, GRAVITY, LIGHT
-from masonry_cd.mechanics.contact.motion import Motion, pair_margin
+from masonry_cd.mechanics.contact.motion import BodyMotion, pair_margin
 from masonry_cd.mechanics.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.mechanics.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.mechanics.contact.workspace import Workspace
@@ -120,7 +120,7 @@ class Detector:
             TooManyPoints: the meshes of two faces cross too often.
             UnexplainedOverlap: two parts are deeper in each other than they can have moved.
         """
-        motion = Motion(position, rotation, velocity, float(step), float(slack), self._affine)
+        motion = BodyMotion(position, rotation, velocity, float(step), float(slack), self._affine)
         count = self._update(motion, origin, False, threads)
         if count < 0:
             self._rebuild(motion, origin)
@@ -192,7 +192,7 @@ class Detector:
         self._listing = Listing(arrays["listed_position"], arrays["listed_rotation"], arrays["allowance"])
         self.tally, self.rebuilds = arrays["tally"], int(arrays["rebuilds"])
 
-    def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool, threads: int) -> int:
+    def _update(self, motion: BodyMotion, origin: np.ndarray, just_listed: bool, threads: int) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed again."""
         known, work, tally = (self._memory, self._shapes, motion, self._kind), self._work, [self.tally]
         while len(work) < threads:
@@ -234,7 +234,7 @@ class Detector:
         a, b = self._shapes.part_block[self.pairs[int(pair)]]
         return UnexplainedOverlap((int(a), int(b)), float(-gap), float(-least))
 
-    def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
+    def _rebuild(self, motion: BodyMotion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
         self._listing = Listing(motion.position - origin, motion.rotation.copy(), self._listing.allowance)
         listed = list_pairs(self._listing, self._shapes, motion, self._fixed_part, self._skin)
@@ -298,7 +298,7 @@ def update_pairs(
     just_listed: bool,
     memory: PairMemory,
     shapes: Shapes,
-    motion: Motion,
+    motion: BodyMotion,
     kind: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
@@ -340,7 +340,7 @@ def update_pairs(
 
 @entry()
 def update_facet_pairs(
-    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
+    memory: PairMemory, shapes: Shapes, motion: BodyMotion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
 ) -> int:
     """As :func:`update_pairs`, for the pairs of which one part at least is meshed; apart, as those with spheres."""
     within = 0
@@ -356,7 +356,7 @@ def update_facet_pairs(
 
 @entry()
 def update_round_pairs(
-    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
+    memory: PairMemory, shapes: Shapes, motion: BodyMotion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
 ) -> int:
     """As :func:`update_pairs`, for the pairs of which one part at least is a sphere; ``arm`` (P,) of the rolling friction [m].
 

@@ -14,7 +14,7 @@ from masonry_cd.mechanics.model.geometry import relative_pose
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
 
 
-class Motion(NamedTuple):
+class BodyMotion(NamedTuple):
     """The configuration of B blocks, how they move, and for how long."""
 
     position: np.ndarray  # (B, 3) centres of mass [m]

@@ -25,7 +25,7 @@ from masonry_cd.mechanics.dynamics.joint_history import with_springs
 from masonry_cd.mechanics.dynamics.restitution import thrown_back
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.strain import fill_strain_rows
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, MotionState, System
 from masonry_cd.mechanics.dynamics.warps import fill_warp_rows, warped_gaps
 from masonry_cd.mechanics.friction.contact_geometry import BY_ROWS, IN_SPACE, form_of
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
@@ -34,7 +34,7 @@ from masonry_cd.mechanics.model.deformation import STRAINS
 
 
 def assemble(
-    system: System, last: Motion, predicted: Prediction, found: ContactSet, pairs: np.ndarray, bonds: Bonds | None = None
+    system: System, last: MotionState, predicted: Prediction, found: ContactSet, pairs: np.ndarray, bonds: Bonds | None = None
 ) -> StepProblem:
     """The friction problem of contacts found between pairs of parts (P, 2), and impulses and velocities of the last step to start from.
 

@@ -27,7 +27,7 @@ from masonry_cd.mechanics.dynamics.driving import work_of_guides
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES, LOSSES, WORKS
 from masonry_cd.mechanics.dynamics.new_state import Update
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
-from masonry_cd.mechanics.dynamics.system import EnergyBalance, Motion, System
+from masonry_cd.mechanics.dynamics.system import EnergyBalance, MotionState, System
 from masonry_cd.mechanics.friction.contact_geometry import velocity_between
 from masonry_cd.mechanics.model.state import State
 
@@ -42,7 +42,7 @@ def at_start(system: System, state: State, angular_momentum: np.ndarray) -> Ener
     return EnergyBalance(dict.fromkeys(ENERGIES, 0.0), kinetic)
 
 
-def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray, new: Update) -> EnergyBalance:
+def account(system: System, last: MotionState, made: StepProblem, impulse: np.ndarray, new: Update) -> EnergyBalance:
     """Add the work and the losses of a step to the account of the run; ``impulse`` (C, m) is that of the step [N s]."""
     predicted, loads, totals, begun = made.predicted, made.predicted.loads, dict(last.energy.totals), last.energy.begun
     elastic = NONE_ELASTIC if made.springs is None else made.springs.elastic

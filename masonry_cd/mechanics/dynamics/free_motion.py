@@ -23,7 +23,7 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays
 from masonry_cd.mechanics.dynamics.strain import Strains
-from masonry_cd.mechanics.dynamics.system import Motion, StepLoads, System
+from masonry_cd.mechanics.dynamics.system import MotionState, StepLoads, System
 from masonry_cd.mechanics.model.block_forces import Acting
 from masonry_cd.mechanics.model.state import State, fill_rotations
 
@@ -63,7 +63,7 @@ class Prediction(NamedTuple):
     founded: Any = None  # footings of the step, see founding.py; None: there are none
 
 
-def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
+def predict(system: System, last: MotionState, loads: StepLoads) -> Prediction:
     """Move the blocks to q_m, and find their free velocities."""
     h, blocks, now, momentum = system.constants.step, system.blocks, last.state, last.angular_momentum
     state = State(now.time, now.position.copy(), now.orientation.copy(), now.velocity, now.strain)
@@ -88,7 +88,7 @@ def _without(absent: np.ndarray, is_free: np.ndarray, free: Prediction) -> Predi
     return free._replace(v_free=v, angular_momentum=momentum, force_impulse=impulse)
 
 
-def _with_strains(system: System, strains: Strains, last: Motion, free: Prediction) -> Prediction:
+def _with_strains(system: System, strains: Strains, last: MotionState, free: Prediction) -> Prediction:
     """Move the strains to q_m, and fill in their free rates and what stands for their mass; those of rigid blocks stay zero."""
     state = free.state
     strains.fill_free(state.strain, last.v, free.inverse_mass, free.v_free)

@@ -16,7 +16,7 @@ from masonry_cd.mechanics.dynamics.crushing import book_crushing
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
 from masonry_cd.mechanics.dynamics.softening import bounded, soften
 from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -24,7 +24,7 @@ CREEP = 1e-6  # slip and opening below this share of g h count as none when bond
 AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the first step, or those of the joints as built
 
 
-def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem, pairs: np.ndarray) -> StepProblem:
+def with_springs(system: System, laws: JointLawArrays, last: MotionState, rigid: StepProblem, pairs: np.ndarray) -> StepProblem:
     """Give contacts of elastic and bonded joints their law in a problem of rigid contacts, found between pairs of parts (P, 2)."""
     loads, rows = rigid.predicted.loads, rigid.rows
     springs = Springs.none(rigid.problem, _stiffness(system, rows, pairs))
@@ -39,7 +39,7 @@ def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: Step
     return rigid._replace(springs=springs, problem=problem)
 
 
-def bonding_gap(system: System, last: Motion) -> float:
+def bonding_gap(system: System, last: MotionState) -> float:
     """Gap up to which new contacts are bonded in a step [m], negative after the first."""
     return max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
 
@@ -54,7 +54,7 @@ def _stiffness(system: System, rows: ContactRows, pairs: np.ndarray) -> np.ndarr
 
 
 def carried_over(
-    system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray
+    system: System, last: MotionState, made: StepProblem, v: np.ndarray, impulse: np.ndarray
 ) -> tuple[JointMemory, BondMemory, SpringWork]:
     """Slips and bonds after a step, those that soften, and what the springs did in it.
 
@@ -89,7 +89,7 @@ def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:
     return replace(problem, v_free=problem.body_velocity(-pull), offset=problem.offset - problem.compliance * pull)
 
 
-def bonded_shares(made: StepProblem, motion: Motion, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+def bonded_shares(made: StepProblem, motion: MotionState, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
     """Share of the area of each joint that is bonded after a step, (J,), less what softening has taken of its energy.
 
     ``pair_joint`` names the joint of each pair or -1.

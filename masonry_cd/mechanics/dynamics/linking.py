@@ -27,7 +27,7 @@ from masonry_cd.mechanics.dynamics.driving import turned_on
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, drift
 from masonry_cd.mechanics.dynamics.linkage import Linkage
 from masonry_cd.mechanics.dynamics.linked_bodies import Cluster, Linked, in_space, of_supports, speeds
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.solvers.condensed import UNIFORM
 
@@ -35,7 +35,7 @@ DEPENDENT = 1e-8  # share of a row of unit length that may be left of it where o
 ITERATIONS, CLOSED = 12, 1e-12  # of Newton's method for v_c, and share of the size of the largest block by which links are then torn
 
 
-def link(system: System, linkage: Linkage, last: Motion, free: Prediction) -> Prediction:
+def link(system: System, linkage: Linkage, last: MotionState, free: Prediction) -> Prediction:
     """A prediction whose linked blocks move as their links let them."""
     position, orientation = free.state.position[linkage.used], free.state.orientation[linkage.used]
     value, rows = linkage.rows(position, orientation)

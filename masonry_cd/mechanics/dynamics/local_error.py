@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.dynamics.system import Loads, Motion, System
+from masonry_cd.mechanics.dynamics.system import Loads, MotionState, System
 
 PASSING = 0.25  # share of the smallest width of any block by which none may move in one step
 
@@ -38,7 +38,7 @@ class Change(NamedTuple):
     base: np.ndarray  # (3,) of the first support [m/s2]
 
     @classmethod
-    def over(cls, system: System, before: Motion, after: Motion) -> Change:
+    def over(cls, system: System, before: MotionState, after: MotionState) -> Change:
         """Return the change over a step between two motions."""
         h = system.constants.step
         rate = (after.state.velocity - before.state.velocity) / h
@@ -83,7 +83,7 @@ def load_variation(system: System, k: int, span: int) -> float:
     return spread * h * h / 8.0
 
 
-def fastest(system: System, motion: Motion) -> float:
+def fastest(system: System, motion: MotionState) -> float:
     """The largest speed of a free block relative to the first support [m/s]."""
     velocity = motion.state.velocity[:, :3]
     relative = velocity[system.free] - (velocity[system.support] if system.support >= 0 else 0.0)

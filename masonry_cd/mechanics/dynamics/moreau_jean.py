@@ -52,7 +52,7 @@ from masonry_cd.mechanics.dynamics.softening import solve_softening, split
 from masonry_cd.mechanics.dynamics.solving import Watch, solve
 from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, Motion, StepLoads, System, plane_of
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, MotionState, StepLoads, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
@@ -87,7 +87,7 @@ class StepReport(NamedTuple):
 class StepStart(NamedTuple):
     """State of a step at its beginning, as it was before."""
 
-    motion: Motion
+    motion: MotionState
     load_step: int
     detector: Detector
     last: StepProblem | None
@@ -175,7 +175,7 @@ class Stepper:
         energy = account(system, last, made, impulse, new)
         slipped = last.false_slip if made.bonds is None else made.bonds.false_slip
         violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, slipped)
-        self.motion = Motion(
+        self.motion = MotionState(
             new.state, new.angular_momentum, new.v, new.impulse, solved.carried_impulse, false_slip, new.joints, predicted.tensions,
             predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span, made.approach, new.bonds,
         )  # fmt: skip
@@ -205,7 +205,7 @@ class Stepper:
         detector = deepcopy(self.detector)
         return self._assembled(predicted, detect(self.system, detector, predicted, self.steps + 1), detector.pairs)
 
-    def _predicted(self, last: Motion, loads: StepLoads) -> Prediction:
+    def _predicted(self, last: MotionState, loads: StepLoads) -> Prediction:
         """The blocks at q_m, founded, guided and linked as they are."""
         free, footings = predict(self.system, last, loads), self.assembly.footings
         if footings is not None:

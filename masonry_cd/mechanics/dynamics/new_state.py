@@ -20,7 +20,7 @@ from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
 from masonry_cd.mechanics.dynamics.step_problem import GroundWork, SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.strain import StrainWork
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 from masonry_cd.mechanics.model.state import State
 
 
@@ -55,7 +55,7 @@ class EndOfStep(NamedTuple):
     impulse: np.ndarray  # (N, m) of all contacts found [N s]
 
 
-def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray) -> Update:
+def update(system: System, last: MotionState, made: StepProblem, impulse: np.ndarray) -> Update:
     """Take the impulses of a step (C, m) [N s] into the state.
 
     Args:

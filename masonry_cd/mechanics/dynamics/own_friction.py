@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 
 
 class SlidingContacts(NamedTuple):
@@ -34,7 +34,7 @@ class SlidingContacts(NamedTuple):
 FrictionLaw = Callable[[SlidingContacts], Any]
 
 
-def with_friction(system: System, last: Motion, made: StepProblem, law: FrictionLaw) -> StepProblem:
+def with_friction(system: System, last: MotionState, made: StepProblem, law: FrictionLaw) -> StepProblem:
     """The problem of a step with the coefficients that a law gives.
 
     Raises:

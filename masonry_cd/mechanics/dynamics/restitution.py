@@ -20,12 +20,12 @@ from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
 from masonry_cd.mechanics.dynamics.impacts import AT_ONCE, CLOSED, FAST
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 from masonry_cd.mechanics.friction.problem import FrictionProblem
 
 
 def thrown_back(
-    system: System, last: Motion, predicted: Prediction, found: ContactSet, rows: ContactRows, problem: FrictionProblem
+    system: System, last: MotionState, predicted: Prediction, found: ContactSet, rows: ContactRows, problem: FrictionProblem
 ) -> tuple[FrictionProblem, np.ndarray]:
     """The problem of rigid contacts of which some are thrown back, and the speeds (N,) [m/s] at which others of all found are hit."""
     approach, restitution = np.zeros(max(1, len(found.gap))), system.assembly.restitution[rows.groups[:, 0], rows.groups[:, 1]]

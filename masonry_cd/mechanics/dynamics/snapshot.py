@@ -11,7 +11,7 @@ from masonry_cd.foundation.arrays import Stored
 from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.energy_terms import ENERGIES
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, NO_BONDS, EnergyBalance, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, NO_BONDS, EnergyBalance, MotionState, System
 from masonry_cd.mechanics.model.state import State
 
 
@@ -26,7 +26,7 @@ def part(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]
     return {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
 
 
-def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
+def motion_arrays(motion: MotionState, load_step: int) -> dict[str, np.ndarray]:
     """A motion, after ``load_step`` steps of the loads, as arrays."""
     m = motion
     out = {name: getattr(m.state, name) for name in ("position", "orientation", "velocity")}
@@ -43,7 +43,7 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
     return out | prefixed("joints", m.joints._asdict())
 
 
-def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) -> None:
+def check_motion(stored: Stored, system: System, motion: MotionState, contacts: int) -> None:
     """Check what :func:`restored_motion` takes: arrays of a run whose motions are of the shapes of ``motion``, with some contacts.
 
     Raises:
@@ -78,13 +78,13 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
     joints.nothing_else()
 
 
-def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.ndarray) -> tuple[Motion, int]:
+def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.ndarray) -> tuple[MotionState, int]:
     """The motion of :func:`motion_arrays` and the step of the loads, with ticks of some length [s] and tensions of the ties (T,) [N]."""
     steps, load_step, ticks, span = map(int, arrays["steps"])
     changed, begun, *energies = arrays["energy"].tolist()
     strain = arrays.get("strain", np.zeros((0, 6)))
     bonds = part("bonds", arrays)
-    motion = Motion(
+    motion = MotionState(
         state=State(ticks * tick, arrays["position"], arrays["orientation"], arrays["velocity"], strain),
         angular_momentum=arrays["angular_momentum"],
         v=arrays["v"],

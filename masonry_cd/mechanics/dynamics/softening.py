@@ -31,7 +31,7 @@ from masonry_cd.mechanics.dynamics.bonds import BondMemory, Bonds
 from masonry_cd.mechanics.dynamics.cohesive_curve import Curves, Mix
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory, Springs
 from masonry_cd.mechanics.dynamics.step_problem import Solved, SpringWork, StepProblem
-from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.dynamics.system import MotionState, System
 
 NEAR = 0.02  # of the strength, by which the stress of a step may be above the curve
 ROUNDS = 6  # solutions of a step at the most
@@ -54,7 +54,9 @@ class Start(NamedTuple):
     size: np.ndarray  # (H,) of that
 
 
-def split(system: System, last: Motion, found: ContactSet, bonding: float, least: np.ndarray | None) -> tuple[Motion, ContactSet, Bonds]:
+def split(
+    system: System, last: MotionState, found: ContactSet, bonding: float, least: np.ndarray | None
+) -> tuple[MotionState, ContactSet, Bonds]:
     """The contacts found with those twice that are in part dry, the last motion by these contacts, and their bonds.
 
     ``bonding``: gaps up to which new contacts are bonded [m]; ``least``: damage to hold of each contact found, or more; None: as it comes.
@@ -98,7 +100,7 @@ def _softens(system: System, found: ContactSet) -> np.ndarray:
     return np.asarray((system.assembly.laws.fracture[group[:, 0], group[:, 1]] > 0.0) & (found.area > 0.0))
 
 
-def _start(system: System, last: Motion, found: ContactSet, old: np.ndarray, bonding: float, least: np.ndarray | None) -> Start:
+def _start(system: System, last: MotionState, found: ContactSet, old: np.ndarray, bonding: float, least: np.ndarray | None) -> Start:
     """The bonds at the beginning of a step, and the damage to hold in it; ``old`` (N,): contacts in the last motion, -1: new ones."""
     new = np.where(found.gap <= bonding, 0.0, 1.0)
     damage = np.where(_softens(system, found), np.where(old >= 0, last.bonds.damage[old], new), 1.0)

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.start import kinetic_energy
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, MotionState, System
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.state import rotation_matrices
@@ -47,7 +47,7 @@ def enter(stepper: Stepper, stage: Stage) -> None:
     stepper.last, stepper.solution = None, Solution(np.zeros((0, after.rows)), None, 0)
 
 
-def _carried_over(before: System, after: System, motion: Motion) -> Motion:
+def _carried_over(before: System, after: System, motion: MotionState) -> MotionState:
     """The motion as the blocks of another stage have it."""
     gone, freed = after.absent, after.free & ~before.free
     state, momentum = motion.state.copy(), motion.angular_momentum.copy()
@@ -72,7 +72,7 @@ def _carried_over(before: System, after: System, motion: Motion) -> Motion:
     return new._replace(energy=motion.energy._replace(totals=totals, changed=True))
 
 
-def _kinetic(system: System, motion: Motion) -> float:
+def _kinetic(system: System, motion: MotionState) -> float:
     """The energy of motion of the free blocks, their strains included [J]."""
     strains = system.strains
     own = 0.0 if strains is None else strains.work(motion.state.strain, motion.state.strain, motion.v, motion.v).kinetic

@@ -11,18 +11,18 @@ from masonry_cd.mechanics.dynamics.energy import at_start
 from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.settings import FirstVelocities
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Motion, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, MotionState, System
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
-def motion_at_start(system: System, state: State) -> Motion:
+def motion_at_start(system: System, state: State) -> MotionState:
     """Return the motion before the first step: no impulses, and the momenta and tensions of a state."""
     if system.strains is not None:
         state = replace(state, strain=system.strains.with_room(state.strain))
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces
     tensions = np.zeros(0) if forces is None else forces.acting(state.position, rotation, state.velocity, 0).tension
     momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
-    return Motion(
+    return MotionState(
         state=state,
         angular_momentum=momentum,
         v=system.unknowns_of(state.velocity),
@@ -39,7 +39,7 @@ def motion_at_start(system: System, state: State) -> Motion:
     )
 
 
-def with_state(system: System, motion: Motion, state: State) -> Motion:
+def with_state(system: System, motion: MotionState, state: State) -> MotionState:
     """The motion with another state of the same time, strains included, where a caller has moved or pushed blocks.
 
     What the energy of motion gains by it counts as there from the beginning, so that the balance still closes; the impulses of the last
@@ -57,7 +57,7 @@ def with_state(system: System, motion: Motion, state: State) -> Motion:
     return motion._replace(state=state, angular_momentum=momentum, v=v, carried_impulse=None, energy=energy, approach=NO_APPROACH)
 
 
-def kinetic_energy(system: System, motion: Motion) -> float:
+def kinetic_energy(system: System, motion: MotionState) -> float:
     """The kinetic energy of the free blocks in a motion [J]."""
     return at_start(system, motion.state, motion.angular_momentum).begun
 

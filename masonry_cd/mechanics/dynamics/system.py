@@ -228,7 +228,7 @@ class EnergyBalance(NamedTuple):
     changed: bool = False  # blocks or joints are others since the last step, and so is the energy of springs
 
 
-class Motion(NamedTuple):
+class MotionState(NamedTuple):
     """Motion handed from one step to the next, apart from the memories of detector and solver."""
 
     state: State

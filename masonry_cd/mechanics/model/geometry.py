@@ -18,6 +18,8 @@ from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.model.polygon import next_in_loop
 
 Faces = tuple[tuple[int, ...], ...]
+Shell = tuple[np.ndarray, Faces]
+"""Corners (V, 3) and faces of a closed surface, counter-clockwise seen from outside."""
 
 
 @dataclass(frozen=True, eq=False)

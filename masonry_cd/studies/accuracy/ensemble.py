@@ -40,8 +40,8 @@ from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent, nine_digits
 from masonry_cd.studies.study.checks import scene_of_run
 from masonry_cd.studies.study.designs import Asked
-from masonry_cd.studies.study.plan import SIZE, Maker, Plan, space_of, tables_of
-from masonry_cd.studies.study.study_case import Options, Ways, make_runs
+from masonry_cd.studies.study.plan import SIZE, Maker, StudyPlan, space_of, tables_of
+from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
 from masonry_cd.studies.study.table import Rows
 
 DESIGN = "accuracy"
@@ -155,7 +155,7 @@ class EnsembleRow:
         return out | {"grades": self.grades, "steps missed [%]": missed, "CPU per run [s]": self.seconds[1]}
 
 
-class EnsemblePlan(Plan):
+class EnsemblePlan(StudyPlan):
     """The runs: the first member of every setting, then the second of every one, and so on.
 
     Args:
@@ -194,7 +194,7 @@ def ensembles(plan: EnsemblePlan, folder: Path, options: Options, say: Say) -> R
     Raises:
         InputError: the folder of another scene, or a run that is no data.
     """
-    made = make_runs(plan, folder, options, say, Ways(lambda *_: None))
+    made = make_runs(plan, folder, options, say, RunActions(lambda *_: None))
     if made.stopped:
         return made.ended_early()
     if lost := made.warnings(folder / "rows"):

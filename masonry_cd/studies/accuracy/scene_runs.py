@@ -64,7 +64,7 @@ class SceneRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class ComparedMotion:
     """Motion of a run that is compared, at F frames."""
 
     time: np.ndarray  # (F,) [s]
@@ -137,7 +137,7 @@ def run_rows(
     return rows
 
 
-def run_once(scene: Scene, repeats: int = 1) -> tuple[Summary, Motion]:
+def run_once(scene: Scene, repeats: int = 1) -> tuple[Summary, ComparedMotion]:
     """Run a scene in a folder that is thrown away; its summary, with median times, and its motion.
 
     Raises:
@@ -158,16 +158,16 @@ def run_once(scene: Scene, repeats: int = 1) -> tuple[Summary, Motion]:
     return summaries[0] | Summary(**seconds), motion
 
 
-def motion_of(results: Results) -> Motion:
+def motion_of(results: Results) -> ComparedMotion:
     """The motion of a run."""
     solids = solids_of(results.blocks)
     position = np.asarray(results.position[: results.frames], dtype=float)
     moved = base_at(results, solids, slice(0, results.frames)).seen(position) - solids.centre
     size = float(np.linalg.norm(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0)))
-    return Motion(results.time, moved[:, ~solids.fixed], results.joint_history("opening"), size)
+    return ComparedMotion(results.time, moved[:, ~solids.fixed], results.joint_history("opening"), size)
 
 
-def motion_errors(motion: Motion, reference: Motion) -> tuple[float, float]:
+def motion_errors(motion: ComparedMotion, reference: ComparedMotion) -> tuple[float, float]:
     """Displacement error and opening error, see the head of this file; of a run that ended early, up to its end."""
     frames = min(len(motion.time), len(reference.time))
     while frames and abs(motion.time[frames - 1] - reference.time[frames - 1]) > 1e-9 * max(1.0, reference.time[frames - 1]):
@@ -188,7 +188,7 @@ def _relative(got: np.ndarray, best: np.ndarray, least: float) -> float:
     return largest(got - best) / max(largest(best), least)
 
 
-def _run_row(summary: Summary, motion: Motion, reference: Motion, is_reference: bool) -> SceneRow:
+def _run_row(summary: Summary, motion: ComparedMotion, reference: ComparedMotion, is_reference: bool) -> SceneRow:
     """The row of a run."""
     solver = summary.solver
     own = ("displacement_max", "opening_max", "sliding_max", "joints_opened", "joints_slid", "joints_separated", "collapsed_blocks")

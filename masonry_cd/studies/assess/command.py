@@ -16,8 +16,8 @@ from masonry_cd.foundation.json_files import write_json
 from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.assess.task import assess_task, limit_task
 from masonry_cd.studies.study.checks import check_first
-from masonry_cd.studies.study.plan import Plan
-from masonry_cd.studies.study.study_case import Options, Ways, make_runs
+from masonry_cd.studies.study.plan import StudyPlan
+from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
 
 
 def assess(plan: AssessPlan, folder: Path, options: Options, say: Say) -> Result[Assessment | None]:
@@ -28,10 +28,10 @@ def assess(plan: AssessPlan, folder: Path, options: Options, say: Say) -> Result
     """
     function, check = (assess_task, check_first) if plan.shakes else (limit_task, check_statics)
 
-    def write(folder: Path, _: Plan, rows: Mapping[str, RunRow]) -> None:
+    def write(folder: Path, _: StudyPlan, rows: Mapping[str, RunRow]) -> None:
         write_json(folder / FILE, assessment_of(plan, rows).as_dict())
 
-    made = make_runs(plan, folder, options, say, Ways(write, function, lambda made: (*plan.doubtful, *check(made))))
+    made = make_runs(plan, folder, options, say, RunActions(write, function, lambda made: (*plan.doubtful, *check(made))))
     return made.ended_early() if made.stopped else report(folder)
 
 
@@ -66,7 +66,7 @@ def assessment_of(plan: AssessPlan, rows: Mapping[str, RunRow]) -> Assessment:
     return Assessment(study.title, study.scene_name, tuple(one.known for one in plan.known), left, tuple(members), __version__)
 
 
-def check_statics(plan: Plan) -> list[str]:
+def check_statics(plan: StudyPlan) -> list[str]:
     """Check that there is something for limit analysis to multiply.
 
     Returns:

@@ -18,14 +18,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from masonry_cd.studies.assess.assumptions import DAMPING, POINTS, STIFFNESS, Assumption, Level, assumptions_of
 from masonry_cd.studies.study.designs import Asked, Space
-from masonry_cd.studies.study.plan import SIZE, Maker, Plan, Planned, space_of, tables_of
+from masonry_cd.studies.study.plan import SIZE, Maker, Planned, StudyPlan, space_of, tables_of
 from masonry_cd.studies.study.study_file import Study
 
 DESIGN = "assess"
 
 
 @dataclass(frozen=True)
-class Part:
+class RunRole:
     """Part of an assessment to which a run belongs: its kind, and which levels of which assumptions it has."""
 
     kind: str  # base | ensemble | level | pair
@@ -71,7 +71,7 @@ class AssessMaker(Maker):
         return Planned(self.name(tables), asked, cost * max(1, self.study.scene.run.steps))
 
 
-class AssessPlan(Plan):
+class AssessPlan(StudyPlan):
     """The runs of an assessment.
 
     Args:
@@ -95,18 +95,18 @@ class AssessPlan(Plan):
         asked = (Asked(member=part.member or None, change=SIZE * part.member, values=part.values()) for part in self.parts)
         super().__init__(AssessMaker(*space_of(scene, tables), self.known), asked, DESIGN)
 
-    def _parts(self, members: int, all_pairs: bool) -> Iterator[Part]:
+    def _parts(self, members: int, all_pairs: bool) -> Iterator[RunRole]:
         """The runs, the base case first."""
-        yield Part(BASE)
+        yield RunRole(BASE)
         if self.shakes:
-            yield from (Part(ENSEMBLE, member=k) for k in range(1, members))
+            yield from (RunRole(ENSEMBLE, member=k) for k in range(1, members))
         for one in self.known:
-            yield from (Part(LEVEL, ((one, level),)) for level in one.levels)
+            yield from (RunRole(LEVEL, ((one, level),)) for level in one.levels)
         if all_pairs:
             for first, second in combinations([one for one in self.known if not one.reference], 2):
                 for levels in product(ends_of(first), ends_of(second)):
                     if not (first.name == STIFFNESS and second.name in (DAMPING, POINTS) and levels[0].name == RIGID):
-                        yield Part(PAIR, ((first, levels[0]), (second, levels[1])))
+                        yield RunRole(PAIR, ((first, levels[0]), (second, levels[1])))
 
 
 def ends_of(assumption: Assumption) -> tuple[Level, ...]:

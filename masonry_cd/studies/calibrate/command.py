@@ -20,8 +20,8 @@ from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
 from masonry_cd.studies.study.clusters import connected
 from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.folder import StudyFolder
-from masonry_cd.studies.study.plan import Plan
-from masonry_cd.studies.study.study_case import Options, Ways, make_runs
+from masonry_cd.studies.study.plan import StudyPlan
+from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
 from masonry_cd.studies.study.table import Rows, write_parquet
 from masonry_cd.studies.study.varied import WEIGHT
 
@@ -37,7 +37,7 @@ def calibrate(plan: Calibration, folder: Path, options: Options, say: Say) -> Re
     from reports.calibrate.outputs import write_posterior
 
     sampling = Sampling(plan)
-    ways = Ways(lambda *_: None, partial(calibrate_task, plan.wanted), plan.check)
+    ways = RunActions(lambda *_: None, partial(calibrate_task, plan.wanted), plan.check)
     with ExitStack() as kept:
         while True:
             made = make_runs(sampling.plan, folder, options, say, ways)
@@ -77,7 +77,7 @@ class Sampling:
         self.sizes: list[float] = []
         self._next = Proposal.prior(len(calibration.places))
         self.asked: list[Asked] = []
-        self.plan = Plan(calibration.maker, [], DESIGN)
+        self.plan = StudyPlan(calibration.maker, [], DESIGN)
         self.go_on()
 
     def go_on(self) -> None:

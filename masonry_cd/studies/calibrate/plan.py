@@ -21,7 +21,7 @@ from masonry_cd.foundation.errors import InputError, parse_table, suggest, value
 from masonry_cd.studies.calibrate.predicted import History, Wanted, modal_values
 from masonry_cd.studies.study.checks import check_first, scene_of_run
 from masonry_cd.studies.study.designs import Asked, Space, placed
-from masonry_cd.studies.study.plan import Maker, Plan
+from masonry_cd.studies.study.plan import Maker, StudyPlan
 from masonry_cd.studies.study.study_case import space_of_study
 from masonry_cd.studies.study.study_file import CalibrationTable, Study
 
@@ -91,7 +91,7 @@ class Calibration:
         tables = self.maker.study.scene.tables
         return {key: unit_of_key(tables, key) for key in self.maker.space.varied.columns if key != "records.rotate"}
 
-    def check(self, plan: Plan) -> tuple[str, ...]:
+    def check(self, plan: StudyPlan) -> tuple[str, ...]:
         """Prepare the first sample as a worker would.
 
         Returns:

@@ -17,7 +17,7 @@ from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.selection.catalogue import COLUMNS, Row, read_catalogue, why_not
 from masonry_cd.studies.selection.tables import Selection, TargetTable
-from masonry_cd.studies.study.records import Motion, motions_of, paired, read_motion
+from masonry_cd.studies.study.records import RecordMotion, motions_of, paired, read_motion
 
 COMPARED, JUDGED, DRAWN = 60, 100, 80  # periods
 AROUND = 2.0  # what is drawn goes beyond what is compared by this factor
@@ -122,7 +122,7 @@ def find(selection: Selection, grid: Grid, say: Say) -> tuple[list[Candidate], d
     return found, left
 
 
-def _measured(selection: Selection, grid: Grid, motion: Motion, row: Row) -> Candidate:
+def _measured(selection: Selection, grid: Grid, motion: RecordMotion, row: Row) -> Candidate:
     """A candidate with its spectrum.
 
     Raises:

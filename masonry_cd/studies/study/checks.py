@@ -13,7 +13,7 @@ from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.designs import Asked, Space
-from masonry_cd.studies.study.plan import Maker, Plan
+from masonry_cd.studies.study.plan import Maker, StudyPlan
 from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.study_units import ROTATE, UNITS
 
@@ -58,7 +58,7 @@ def check_varied(study: Study, space: Space) -> None:
         _check_rotation(study, study.tables.records.rotate)
 
 
-def check_first(plan: Plan) -> tuple[str, ...]:
+def check_first(plan: StudyPlan) -> tuple[str, ...]:
     """Prepare the first run as a worker would, which compiles the kernels: what is wrong with all runs is found before they begin.
 
     Returns:

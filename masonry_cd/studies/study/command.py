@@ -11,14 +11,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import check_first
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.limit_runs import LIMITS, limit_lines, write_limits
-from masonry_cd.studies.study.plan import Plan
-from masonry_cd.studies.study.study_case import Options, Ways, hazard_numbers, make_runs
+from masonry_cd.studies.study.plan import StudyPlan
+from masonry_cd.studies.study.study_case import Options, RunActions, hazard_numbers, make_runs
 from masonry_cd.studies.study.table import PARQUET, write_table
 
-WAYS = {"run": Ways(write_table, check=check_first, maps=True), "limit": Ways(write_limits)}
+WAYS = {"run": RunActions(write_table, check=check_first, maps=True), "limit": RunActions(write_limits)}
 
 
-def study(plan: Plan, folder: Path, options: Options, say: Say) -> Result[None]:
+def study(plan: StudyPlan, folder: Path, options: Options, say: Say) -> Result[None]:
     """Make the runs of a study that are missing in a folder, and write what they say.
 
     Raises:
@@ -36,7 +36,7 @@ def study(plan: Plan, folder: Path, options: Options, say: Say) -> Result[None]:
     return Result(None, [*lines, *found.lines], [*warnings, *found.warnings])
 
 
-def report(plan: Plan, folder: Path) -> Result[None]:
+def report(plan: StudyPlan, folder: Path) -> Result[None]:
     """Fit and draw again from the runs in a folder.
 
     Raises:

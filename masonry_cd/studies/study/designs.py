@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.records import Motion, Records
+from masonry_cd.studies.study.records import RecordMotion, Records
 from masonry_cd.studies.study.study_file import EnsembleTable, IdaTable, StudyTables
 from masonry_cd.studies.study.varied import Varied, uniform_numbers
 
@@ -66,7 +66,7 @@ class Space:
         intensity = self.tables.intensity
         return [None] if intensity is None or intensity.levels is None else [*intensity.levels]
 
-    def motion(self, name: str) -> Motion:
+    def motion(self, name: str) -> RecordMotion:
         """A motion by its name."""
         assert self.records is not None
         return self.records.by_name[name]

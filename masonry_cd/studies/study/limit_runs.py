@@ -12,7 +12,7 @@ from typing import Any
 
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.plan import StudyPlan
 from masonry_cd.studies.study.table import Rows
 
 LIMITS = "limits.csv"
@@ -52,7 +52,7 @@ def limit_row(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def write_limits(folder: Path, plan: Plan, rows: Rows) -> None:
+def write_limits(folder: Path, plan: StudyPlan, rows: Rows) -> None:
     """Write limits.csv, of the analyses that have ended."""
     varied, cells = plan.maker.space.varied.columns, []
     for run in plan.ordered():
@@ -63,7 +63,7 @@ def write_limits(folder: Path, plan: Plan, rows: Rows) -> None:
     write_csv(folder / LIMITS, ("run", *varied, "status", *COLUMNS, "reason"), (map(_text, line) for line in cells))
 
 
-def limit_lines(plan: Plan, rows: Rows) -> list[str]:
+def limit_lines(plan: StudyPlan, rows: Rows) -> list[str]:
     """The table as text, a line for each analysis that is done."""
     out = []
     for run in plan.ordered():

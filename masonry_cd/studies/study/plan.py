@@ -143,7 +143,7 @@ class Maker:
         return self._digests[path]
 
 
-class Plan:
+class StudyPlan:
     """The runs of a study: those known from the first, and those that follow from others that are done.
 
     Args:

@@ -38,7 +38,7 @@ MATCH = (
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RecordMotion:
     """A motion: its files by axis, or a value of a key of the scene."""
 
     name: str
@@ -59,12 +59,12 @@ class Motion:
 class Records:
     """The motions of a study, in the order of their names, and what is measured of them."""
 
-    def __init__(self, table: RecordsTable, motions: Sequence[Motion], measures: Mapping[str, Measure], scaled_by: str) -> None:
+    def __init__(self, table: RecordsTable, motions: Sequence[RecordMotion], measures: Mapping[str, Measure], scaled_by: str) -> None:
         self.table, self.motions, self.measures, self._scaled_by = table, list(motions), dict(measures), scaled_by
         self.by_name = {motion.name: motion for motion in motions}
         self._measured: dict[tuple[str, float], dict[str, float]] = {}
 
-    def measured(self, motion: Motion, degrees: float) -> dict[str, float]:
+    def measured(self, motion: RecordMotion, degrees: float) -> dict[str, float]:
         """All measures of a motion before it is scaled, by the names of their columns."""
         key = (motion.name, degrees)
         if key not in self._measured:
@@ -75,7 +75,7 @@ class Records:
                 raise error.under(motion.name).under("intensity") from None
         return self._measured[key]
 
-    def factor(self, motion: Motion, degrees: float, level: float | None) -> float:
+    def factor(self, motion: RecordMotion, degrees: float, level: float | None) -> float:
         """Return the factor by which the motion is multiplied.
 
         Raises:
@@ -88,13 +88,13 @@ class Records:
             raise InputError("intensity.measure", f"{measure.name}: no factor scales {motion.name} to it, where it is {value:g}")
         return level / value if measure.order == 1 else math.sqrt(level / value)
 
-    def scaled(self, motion: Motion, degrees: float, factor: float, level: float | None) -> dict[str, float]:
+    def scaled(self, motion: RecordMotion, degrees: float, factor: float, level: float | None) -> dict[str, float]:
         """The measures of the motion times a factor; the one that it was scaled to is the level itself."""
         values = self.measured(motion, degrees)
         found = {name: values[name] * factor**measure.order for name, measure in self.measures.items()}
         return found if level is None else found | {self._scaled_by: level}
 
-    def loads(self, motion: Motion, degrees: float, factor: float) -> list[dict[str, Any]]:
+    def loads(self, motion: RecordMotion, degrees: float, factor: float) -> list[dict[str, Any]]:
         """The [[loads]] tables that shake the base."""
         shared = self.table.load_keys(motion.window)
         both = set(self.table.shaken) >= {"x", "y"}
@@ -108,7 +108,7 @@ class Records:
         ]
 
 
-def _shares(axis: str, angle: float, motion: Motion) -> list[tuple[str, str, float]]:
+def _shares(axis: str, angle: float, motion: RecordMotion) -> list[tuple[str, str, float]]:
     """Return the components that move along an axis when the pair is turned: (axis, component, factor), zero factors left out."""
     if axis == "z" or not {"x", "y"} <= motion.files.keys():
         return [(axis, axis, 1.0)]
@@ -128,7 +128,7 @@ def find_records(study: Study) -> Records | None:
         return None
     with study.locating():
         if table.values is not None:
-            return Records(table, [Motion(f"{table.key}={value}", value=value) for value in table.values], {}, "")
+            return Records(table, [RecordMotion(f"{table.key}={value}", value=value) for value in table.values], {}, "")
         named = "PGA" if intensity is None else intensity.measure
         rule = table.axes[0] if intensity is None else intensity.of
         measures = {named: parse(named, "intensity.measure", rule)}
@@ -193,13 +193,13 @@ def motions_of(table: RecordsTable, base: Path) -> dict[str, dict[str, Path]]:
     return kept
 
 
-def paired(table: RecordsTable, motion: str, files: Mapping[str, Path]) -> Motion:
+def paired(table: RecordsTable, motion: str, files: Mapping[str, Path]) -> RecordMotion:
     """A motion with a file for each axis.
 
     Raises:
         InputError: a component that is not there, or is asked for twice.
     """
-    return Motion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes})
+    return RecordMotion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes})
 
 
 def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, Path]) -> Path:
@@ -214,7 +214,7 @@ def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, 
     return files[chosen]
 
 
-def read_motion(motion: Motion, table: RecordsTable, dt: float) -> Motion:
+def read_motion(motion: RecordMotion, table: RecordsTable, dt: float) -> RecordMotion:
     """Read the components of a motion, cut alike.
 
     Args:
@@ -238,7 +238,7 @@ def read_motion(motion: Motion, table: RecordsTable, dt: float) -> Motion:
         steps = ", ".join(f"{axis} {history.step:g} s" for axis, history in histories.items())
         raise InputError("records", f'the components of "{motion.name}" differ in their time steps, {steps}; resample brings them to one')
     duration = max(histories[axis].duration for axis in table.shaken)
-    return Motion(motion.name, motion.files, None, window, duration, histories)
+    return RecordMotion(motion.name, motion.files, None, window, duration, histories)
 
 
 def _history(path: Path, table: RecordsTable, dt: float, window: tuple[float, float] | None) -> History:

@@ -23,7 +23,7 @@ from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.designs import Space
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
-from masonry_cd.studies.study.plan import Maker, Plan, Planned
+from masonry_cd.studies.study.plan import Maker, Planned, StudyPlan
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
 from masonry_cd.studies.study.study_file import Study, read_study
@@ -47,12 +47,12 @@ class Options:
 
 
 @dataclass(frozen=True)
-class Ways:
+class RunActions:
     """Actions on the runs of a study; by default none but to make them."""
 
-    write: Callable[[Path, Plan, Rows], object]  # what is written of the runs that have ended
+    write: Callable[[Path, StudyPlan, Rows], object]  # what is written of the runs that have ended
     function: Callable[[Task], Outcome] = run_task  # a run, on a worker
-    check: Callable[[Plan], Sequence[str]] = (
+    check: Callable[[StudyPlan], Sequence[str]] = (
         lambda _: ()
     )  # refuses what is wrong with all runs before they begin, and says what is doubtful
     maps: bool = False  # whether the results of the first run are kept, for maps of its joints
@@ -93,7 +93,7 @@ class Made:
         return Result(None, lines, [*warnings, said], stopped=self.stopped, signal=self.signal, resumable=True)
 
 
-def plan_of(path: Path) -> Plan:
+def plan_of(path: Path) -> StudyPlan:
     """The plan of a study file, checked; nothing is written.
 
     Raises:
@@ -102,7 +102,7 @@ def plan_of(path: Path) -> Plan:
     return plan_of_study(read_study(path))
 
 
-def plan_of_study(study: Study) -> Plan:
+def plan_of_study(study: Study) -> StudyPlan:
     """The plan of a study whose tables are checked; nothing is written.
 
     Raises:
@@ -113,7 +113,7 @@ def plan_of_study(study: Study) -> Plan:
             raise InputError("design", '"calibrate" is what masonry-cd calibrate makes; a study of its posterior has [vary] from = "FILE"')
     space = space_of_study(study)
     with study.locating():
-        return Plan(Maker(study, space))
+        return StudyPlan(Maker(study, space))
 
 
 def space_of_study(study: Study) -> Space:
@@ -128,7 +128,7 @@ def space_of_study(study: Study) -> Space:
     return space
 
 
-def make_runs(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways) -> Made:
+def make_runs(plan: StudyPlan, folder: Path, options: Options, say: Say, ways: RunActions) -> Made:
     """Make the runs of a plan that are missing in a folder.
 
     Args:
@@ -159,7 +159,7 @@ def make_runs(plan: Plan, folder: Path, options: Options, say: Say, ways: Ways) 
         return _Making(plan, here, options, say, ways).make()
 
 
-def require_own(plan: Plan, folder: Path) -> None:
+def require_own(plan: StudyPlan, folder: Path) -> None:
     """Refuse a folder that holds another study, or something else.
 
     Raises:
@@ -171,7 +171,7 @@ def require_own(plan: Plan, folder: Path) -> None:
 class _Making:
     """A study on its way."""
 
-    def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say, ways: Ways) -> None:
+    def __init__(self, plan: StudyPlan, folder: StudyFolder, options: Options, say: Say, ways: RunActions) -> None:
         self.plan, self.folder, self.options, self.say, self.ways = plan, folder, options, say, ways
         self.rows = folder.finished(options.retry)
         self.stopped, self.signal = "", 0
@@ -255,7 +255,7 @@ class _Making:
             self.folder.write_reference(first.name, outcome.reference)
 
 
-def _identity(plan: Plan) -> dict[str, str]:
+def _identity(plan: StudyPlan) -> dict[str, str]:
     """Return the digests by which a study is recognised: all but how large its design is."""
     study, maker = plan.maker.study, plan.maker
     tables, intensity = study.tables, study.tables.intensity
@@ -282,7 +282,7 @@ def hazard_numbers(study: Study) -> dict[str, Any] | None:
     return None if found is None or not found.known else found.numbers()
 
 
-def _facts(plan: Plan, runs: int | None = None) -> StudyFacts:
+def _facts(plan: StudyPlan, runs: int | None = None) -> StudyFacts:
     """study.json, for the statistics."""
     study = plan.maker.study
     tables, intensity = study.tables, study.tables.intensity

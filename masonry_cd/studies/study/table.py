@@ -12,7 +12,7 @@ from masonry_cd.analysis.outputs import STUDY, numbers_in
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.studies.study.plan import Maker, Plan, Planned
+from masonry_cd.studies.study.plan import Maker, Planned, StudyPlan
 
 CSV, PARQUET = TABLE, "runs.parquet"
 QUANTITIES = tuple(numbers_in(STUDY))
@@ -21,7 +21,7 @@ OF_PART = ("grade_number", "drift")
 Rows = Mapping[str, RunRow]  # of the runs that have ended, by name
 
 
-def write_table(folder: Path, plan: Plan, rows: Rows) -> None:
+def write_table(folder: Path, plan: StudyPlan, rows: Rows) -> None:
     """Write both tables, of the runs that have ended, in the order of the plan."""
     ended, maker = [run for run in plan.ordered() if run.name in rows], plan.maker
     columns = _columns(ended, maker, rows)

@@ -21,7 +21,7 @@ from masonry_cd.analysis.stress.summary import stress_lines, stress_summary
 from masonry_cd.app.case import prepare
 from masonry_cd.app.closing_lines import closing_lines
 from masonry_cd.app.run_case import run_case
-from masonry_cd.app.run_loop import Checkpoints, Plan, run
+from masonry_cd.app.run_loop import Checkpoints, RunPlan, run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
@@ -172,11 +172,11 @@ def test_a_resumed_run_has_the_stress_of_an_unbroken_one(tmp_path, after):
     paths = tmp_path / "unbroken.h5", tmp_path / "broken.h5"
     saved, joints = tmp_path / checkpoint.NAME, find_joints(machine().assembly)
     with ResultWriter(paths[0], machine().assembly, joints, "scene") as writer:
-        run(machine(), joints, writer, Plan(steps, every, stress=True))
+        run(machine(), joints, writer, RunPlan(steps, every, stress=True))
     with ResultWriter(paths[1], machine().assembly, joints, "scene") as writer:
-        run(machine(), joints, writer, Plan(steps, every, stress=True), stop, Checkpoints(saved))
+        run(machine(), joints, writer, RunPlan(steps, every, stress=True), stop, Checkpoints(saved))
     with ResultWriter.resumed(paths[1], checkpoint.load(saved)[1]["rows"]) as writer:
-        run(machine(), joints, writer, Plan(steps, every, stress=True), checkpoints=Checkpoints(saved, resume=True))
+        run(machine(), joints, writer, RunPlan(steps, every, stress=True), checkpoints=Checkpoints(saved, resume=True))
     one, other = contents(paths[0]), contents(paths[1])
     assert one == other and STRESS in one
 

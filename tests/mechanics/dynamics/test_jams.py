@@ -8,7 +8,7 @@ import pytest
 import scenes
 from models import box, gravity, ground, still
 
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -64,7 +64,7 @@ def test_a_run_reports_its_jam_and_what_gives_way_is_none(tmp_path):
         machine = pressed(0.1, right)
         joints = find_joints(machine.assembly)
         with ResultWriter(tmp_path / f"{right}.h5", machine.assembly, joints) as writer:
-            reports.append(run(machine, joints, writer, Plan(STEPS)))
+            reports.append(run(machine, joints, writer, RunPlan(STEPS)))
     closed, pushed = reports
     assert closed.steps_closing == closed.steps_missed == STEPS
     assert '"left" and "right" close on "stone0"' in closed.jam

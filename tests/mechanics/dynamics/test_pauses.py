@@ -47,7 +47,7 @@ def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> R
     joints = find_joints(machine.assembly)
     rests = Pauses(machine.assembly, pauses, SHOCKS, STEPS)
     with ResultWriter(path, machine.assembly, joints) as writer:
-        return run_loop.run(machine, joints, writer, run_loop.Plan(STEPS, 7, pauses=rests))
+        return run_loop.run(machine, joints, writer, run_loop.RunPlan(STEPS, 7, pauses=rests))
 
 
 def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) -> None:
@@ -113,12 +113,14 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
     writer = ResultWriter(tmp_path / "run.h5", machine.assembly, joints)
     rests = Pauses(machine.assembly, PAUSES, SHOCKS, STEPS)
     with pytest.raises(Killed):
-        run_loop.run(machine, joints, writer, run_loop.Plan(STEPS, 7, pauses=rests), kill, run_loop.Checkpoints(saved))
+        run_loop.run(machine, joints, writer, run_loop.RunPlan(STEPS, 7, pauses=rests), kill, run_loop.Checkpoints(saved))
     assert rests.quiet > 0
     writer.close()
     machine, rests = shaken(), Pauses(machine.assembly, PAUSES, SHOCKS, STEPS)
     with ResultWriter.resumed(tmp_path / "run.h5", checkpoint.load(saved)[1]["rows"]) as writer:
-        run_loop.run(machine, joints, writer, run_loop.Plan(STEPS, 7, pauses=rests), checkpoints=run_loop.Checkpoints(saved, resume=True))
+        run_loop.run(
+            machine, joints, writer, run_loop.RunPlan(STEPS, 7, pauses=rests), checkpoints=run_loop.Checkpoints(saved, resume=True)
+        )
     assert contents(tmp_path / "run.h5") == contents(tmp_path / "unbroken.h5")
 
 

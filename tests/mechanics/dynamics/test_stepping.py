@@ -7,7 +7,7 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned,
 from places import EXAMPLES
 
 from masonry_cd.app.case import prepare
-from masonry_cd.app.run_loop import Plan, run
+from masonry_cd.app.run_loop import RunPlan, run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -236,7 +236,7 @@ def test_a_missed_tolerance_is_counted(tmp_path):
     machine = shaken_wall(5, max_iterations=2)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "r.h5", machine.assembly, joints) as writer:
-        report = run(machine, joints, writer, Plan(5))
+        report = run(machine, joints, writer, RunPlan(5))
     assert report.steps_missed == 5
     assert report.error_max > 1e-7
 
@@ -248,7 +248,7 @@ def test_a_run_that_blows_up_names_step_and_block_and_keeps_what_it_had(tmp_path
     machine = stepper(tower(2), steps, acceleration=pull)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "r.h5", machine.assembly, joints) as writer:
-        report = run(machine, joints, writer, Plan(steps))
+        report = run(machine, joints, writer, RunPlan(steps))
     assert report.stopped.startswith('step 11: the velocity of block "b0" is not finite; the impulse of a contact between')
     assert report.steps == 10
     with Results.open(tmp_path / "r.h5") as results:

@@ -19,7 +19,7 @@ import structures
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from structures.geometry.cells import Part
+from structures.geometry.cells import ConvexCell
 
 WALLS = [
     wall("s", [[0, 0], [4, 0.3]], 0.5),
@@ -43,7 +43,7 @@ LEAST_PART = 0.008  # width of a part [m]: elastic joints sink by some tenths of
 def least_width(blocks: list[Block]) -> float:
     """Return the least width of the convex parts of free blocks [m]."""
     parts = [part for block in blocks if not block.fixed for part in block.convex_parts]
-    return min(Part.of(Block("", part.vertices, part.faces)).width for part in parts)
+    return min(ConvexCell.of(Block("", part.vertices, part.faces)).width for part in parts)
 
 
 @pytest.mark.parametrize(("name", "size", "bond", "seed"), [

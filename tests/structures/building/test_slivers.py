@@ -15,7 +15,7 @@ from statics3d import assembled, in_one_piece
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures.building.footprints import Plan
+from structures.building.footprints import BuildingPlan
 from structures.building.widths import NARROW, fat_pieces, least_width, without_tails
 
 LEAST_PART = 0.05  # width of a convex part, in thicknesses of the thinnest wall
@@ -106,7 +106,7 @@ def test_a_top_that_steps_beside_a_wall_at_an_angle_leaves_no_wedge() -> None:
 def test_areas_that_meet_in_a_line_alone_are_no_less_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a wall leaves of another may come with lines of no width, which count for nothing."""
     keys = {"walls": [wall("a", [[0, 0], [4, 0]]), wall("b", [[2, 0], [2, 3]])]}
-    plan: Plan = prepare(keys).plan
+    plan: BuildingPlan = prepare(keys).plan
     whole = [shape.area for shape in plan.owned(1, 0, 0, 0.0, 0.3)]
     plan.areas.clear()
     difference = Polygon.difference

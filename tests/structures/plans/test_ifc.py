@@ -15,7 +15,7 @@ from ifc_files import Model, house
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from structures.plans import Plan, open_plan
+from structures.plans import FilePlan, open_plan
 
 pytest.importorskip("ifcopenshell", reason="models in IFC need the extra ifc")
 
@@ -27,7 +27,7 @@ HEADS = {
 }
 
 
-def plan(folder: Path, model: Model) -> Plan:
+def plan(folder: Path, model: Model) -> FilePlan:
     model.write(folder / "a.ifc")
     return open_plan(folder / "a.ifc", {})
 

@@ -31,7 +31,7 @@ def at_middles(course: Callable[[np.ndarray], np.ndarray], times: np.ndarray, dt
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class ValueHistory:
     """Values over time, counted from the first ones.
 
     Attributes:
