@@ -20,9 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.mechanics.model.geometry import Faces
 from structures.files.cuts_3dec import cut_by_set
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.program_readers import BOX, NUMBER
 
 READ = ("create", "fix", "free", "group", "cut")  # of block

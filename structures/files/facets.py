@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.gmsh_session import gmsh_session
-from masonry_cd.mechanics.model.geometry import Faces
-from structures.files.foreign import Refused
+from structures.files.foreign import Faces, Refused
 
 FINEST = 64  # most facets along one curve
 EXTERNAL = re.compile(rb"\bAPPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT\s*\(")

@@ -30,7 +30,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation import system
-from masonry_cd.mechanics.model.geometry import Faces
+
+Faces = tuple[tuple[int, ...], ...]  # not imported from the model: a child that reads a file imports no kernels
 
 
 class Piece(NamedTuple):

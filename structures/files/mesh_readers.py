@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.extras import require
-from masonry_cd.mechanics.model.geometry import Faces
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.shells import shells
 
 HEAD, TRIANGLE = 84, 50  # bytes of binary STL

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.mechanics.model.geometry import Faces
-from structures.files.foreign import Refused
+from structures.files.foreign import Faces, Refused
 from structures.geometry.prism import between
 
 KEY = "structure.thickness"

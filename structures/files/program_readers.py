@@ -23,8 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.mechanics.model.geometry import Faces
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.files.outlines import KEY, drawn_out, refuse_without_thickness
 from structures.files.shells import shells
 

@@ -17,8 +17,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.mechanics.model.geometry import Shell
+from structures.files.foreign import Faces
 
+Shell = tuple[np.ndarray, Faces]
 FLAT = 1e-3  # [rad]: faces upon each other, also in single precision; no stone has an edge so sharp
 NEEDLE = 1e-300  # [m] of an edge or a height: has no direction
 

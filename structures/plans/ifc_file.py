@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.extras import require
-from masonry_cd.mechanics.model.geometry import Faces
-from structures.files.foreign import Answer, Refused
+from structures.files.foreign import Answer, Faces, Refused
 
 WALLS, OPENINGS, COLUMNS, SLABS, ROOFS = "IfcWall", "IfcOpeningElement", "IfcColumn", "IfcSlab", "IfcRoof"
 READ = (WALLS, OPENINGS, COLUMNS, SLABS, ROOFS)
