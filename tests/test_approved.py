@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from approvals import APPROVED, TEXTS, text_of
 
-AGAIN = "where this is meant: python tests/approvals.py, and read what it changes"
+AGAIN = "where this is intended: python tests/approvals.py, and read what it changes"
 
 
 @pytest.mark.parametrize("name", TEXTS)

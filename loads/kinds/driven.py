@@ -189,7 +189,7 @@ def check_inertia(guides: Sequence[Guide], points: Sequence[PointLoad], grid: Ru
             raise InputError(
                 f"{where}.speed",
                 f"at {fastest:.3g} m/s the inertia of the blocks is {share:.2g} of what friction lets the push reach, "
-                f"and at most {LOUD:g} is meant; {fastest * math.sqrt(LOUD / share):.2g} m/s will do, or none given",
+                f"and a push is slow up to {LOUD:g}; lower it to {fastest * math.sqrt(LOUD / share):.2g} m/s, or leave the key out",
             )
 
 

@@ -74,7 +74,7 @@ class MotionTable(LoadTable):
         if self.path is not None:
             astray = next((key for key in ("time", *given, "axis") if getattr(self, key) is not None), "")
             if astray or "direction" in self.model_fields_set:
-                raise ValueError(f"{astray or 'direction'}: of no use with path, whose columns say it")
+                raise ValueError(f"{astray or 'direction'}: does not apply with path: the columns of the file give it")
             return self
         if self.time is None:
             raise ValueError("time: missing; give path, or time with displacement, velocity or rotation")
@@ -165,7 +165,7 @@ def _moving(table: MotionTable, grid: RunGrid, where: str) -> list[Moving]:
     found = [Moving(mask, _course(at, [columns[k] for k in own])) for own, mask in _by_support(columns, grid, where).items()]
     found[0].course.check_steps(grid.dt, f"{where}.{'time' if table.path is None else 'path'}")
     if table.about is not None and not any(one.course.values[:, 3:].any() for one in found):
-        raise InputError(f"{where}.about", "of no use, nothing turns")
+        raise InputError(f"{where}.about", "does not apply: nothing turns")
     return found
 
 

@@ -26,7 +26,7 @@ from masonry_cd.mechanics.model.usual import FORCES
 
 FORCE = (
     Usual(0.05, math.inf, "a force below a twentieth of its block's weight changes little", FORCES, "weight of its block", size=True),
-    Usual(0.0, 3e7, "hardly any masonry bears 30 MPa", over="section of its block", size=True),
+    Usual(0.0, 3e7, "few masonries bear 30 MPa", over="section of its block", size=True),
     Usual(0.0, 200.0, "even proof loads are a few tens of times the weight of what bears them", over="weight of all blocks", size=True),
 )
 
@@ -57,9 +57,9 @@ class PointTable(LoadTable):
         if "force" not in self.model_fields_set and self.moment is None:
             raise ValueError("force: missing; a force, a moment or both act on the block")
         if self.point is not None and not any(self.force):
-            raise ValueError("point: of no use without a force, a moment has no point of attack")
+            raise ValueError("point: needs a force: a moment has no point of attack")
         if self.hold and not self.stages:
-            raise ValueError("hold: of no use without stages")
+            raise ValueError("hold: needs stages")
         if self.stages is not None and not any(self.stages):
             raise ValueError("stages: none is away from 0")
         if len(self.stages or ()) > 1 and not self.ramp + self.hold > 0.0:

@@ -62,7 +62,7 @@ class PushTable(DrivenKeys, LoadTable):
         if astray:
             instead = f", which takes {INSTEAD[astray]} instead" if astray in INSTEAD else ""
             there = "displacement" if self.control == "force" else "force"
-            why = f'of no use with control = "{self.control}"{instead}; its keys: {", ".join(mine)}'
+            why = f'does not apply with control = "{self.control}"{instead}; its keys: {", ".join(mine)}'
             raise ValueError(f'{astray}: {why}; control = "{there}" takes {astray}')
         missing = next((key for key in needed if key not in self.model_fields_set), "")
         if missing:

@@ -95,7 +95,7 @@ def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> 
     lines: list[str] = []
     if table.correction == "none" and abs(after.velocity[-1]) > 1e-6 * np.abs(after.velocity).max():
         more = after.displacement[-1] + 0.5 * FADE * after.velocity[-1]
-        lines.append(f"{where}   not corrected: then the velocity fades to zero over {FADE:g} s, the displacement ends at {more:.4g} m")
+        lines.append(f"{where}   not corrected: velocity brought to zero over {FADE:g} s at its end, end displacement {more:.4g} m")
     if grid.dt > after.step * (1.0 + 1e-9):
         coarse = f"run.dt {grid.dt:g} s is coarser than the record's {after.step:g} s"
         lines.append(f'{where}   {coarse}: what it holds above {0.5 / grid.dt:g} Hz is lost; resample = "run" filters it out first')

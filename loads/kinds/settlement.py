@@ -34,8 +34,8 @@ from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.usual import LENGTHS
 
 FEWEST_STEPS = 10  # of the run in a pulse
-SETTLED = Usual(0.0, 0.1, "what stands settles by a few hundredths of its height at the most", LENGTHS, over="height")
-SPREAD = Usual(0.0, 0.25, "few arches stand a quarter of their span", LENGTHS, over="largest extent")
+SETTLED = Usual(0.0, 0.1, "structures settle by at most a few hundredths of their height", LENGTHS, over="height")
+SPREAD = Usual(0.0, 0.25, "few arches survive a quarter of their span", LENGTHS, over="largest extent")
 MOVED = (
     Usual(0.0, 1.0, "supports that part by more than the depth of a joint leave what stood on it without a bearing", LENGTHS, "joints"),
     Usual(0.0, 0.5, "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?", over="duration"),
@@ -102,7 +102,7 @@ def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]
     which = "the only support" if count == 1 else f"all {count} supports alike"
     return (
         f"{where} the settlement moves {which}, so the structure goes down as a whole and is not strained; "
-        'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be named',
+        'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be selected',
     )
 
 
@@ -130,7 +130,7 @@ def _parting(table: SpreadingTable, grid: RunGrid, where: str) -> tuple[np.ndarr
     place = np.sum(structure(grid, where).centre * table.direction.vector, axis=1)
     low, high = place[moving].min(), place[moving].max()
     if high - low < 1e-9 * max(1.0, abs(high)):
-        raise InputError(f"{where}.direction", f"the supports all stand at one place along {table.direction.label}, nothing can spread")
+        raise InputError(f"{where}.direction", f"all supports have the same position along {table.direction.label}, so they cannot spread")
     return np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0), float(high - low)
 
 
@@ -173,7 +173,7 @@ def _static(table: SpreadingTable, grid: RunGrid, where: str) -> Static:
 
 def _senses(table: SettlementTable, down: np.ndarray, where: str) -> Iterator[tuple[str, str]]:
     if lifts(table.displacement * np.asarray(table.direction.vector), down):
-        rises = f"these supports rise by {length(abs(table.displacement))}: what settles goes down, -z"
+        rises = f"these supports rise by {length(abs(table.displacement))}: a settlement is downwards, -z"
         yield f"{where}.displacement", f"{where}.displacement: {rises}"
 
 

@@ -34,7 +34,7 @@ class Verdict:
 
     @property
     def trust(self) -> str:
-        """``do not rely on this run before it is mended: contact forces (9 of 200 steps missed ...)``."""
+        """``do not rely on this run until the cause is removed: contact forces (9 of 200 steps missed ...)``."""
         return f"{self.words} ({self.why})" if self.why else self.words
 
     @property

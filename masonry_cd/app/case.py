@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 REPORTED = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
-FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
+FALLING = "no block of the structure is fixed, so the whole structure falls freely; give it a support"
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +268,7 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Load
     masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
     notes = (*structure.notes, *masonry, *damping, *lasting)
     if widest > REPORTED * assembly.width:
-        notes = (*notes, f"joints as built have gaps or overlaps of up to {widest:.2g} m, which count as none")
+        notes = (*notes, f"joints as built have gaps or overlaps of up to {widest:.2g} m, which are ignored")
     still = still_speed(scene.run, joints)
     with scene.locating():
         loading = until_still(scene, loading, still)

@@ -32,7 +32,7 @@ from masonry_cd.mechanics.model.joint_laws.friction import Friction, friction_ta
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.materials import Material
 
-NOT_THERE = "is not there then; what a later change puts in is not there before it"
+NOT_THERE = "does not exist at that time; blocks that a later change adds do not exist before it"
 ROOM = 1e-2  # share of the smallest width by which a block that is put in may overlap others, and is lifted out of them
 
 
@@ -287,17 +287,17 @@ def _require_room(stepper: Stepper, model: Model, where: str) -> None:
     linkage = trial.system.linkage
     torn = 0.0 if linkage is None else linkage.largest_violation(trial.state)
     if torn > ROOM * stepper.width:
-        raise InputError(where, f"a link would be torn by {torn:.3g} m or rad: what it holds on to has moved")
+        raise InputError(where, f"a link would have to close {torn:.3g} m or rad: its blocks have moved apart")
     try:
         rows = trial.friction_problem().rows
     except RunStopped as stopped:
-        raise InputError(where, f"there is no room: {stopped}") from None
+        raise InputError(where, f"the blocks would overlap: {stopped}") from None
     if absent is None:
         return
     deep = np.where(absent[rows.blocks].any(axis=1), -rows.gap, 0.0)
     if deep.max(initial=0.0) > ROOM * stepper.width:
         a, b = (f'"{stepper.assembly.names[block]}"' for block in rows.blocks[int(deep.argmax())])
-        raise InputError(where, f"there is no room: {a} would lie {length(float(deep.max()))} deep in {b}")
+        raise InputError(where, f"the blocks would overlap: {a} by {length(float(deep.max()))} into {b}")
 
 
 def released(assembly: Assembly, changes: Sequence[Change]) -> Assembly:

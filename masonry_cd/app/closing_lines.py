@@ -128,7 +128,7 @@ def _factor_line(found: LoadFactor) -> str:
 def _bracket_line(bracket: LimitBracket) -> str:
     least, upper = bracket.least_found, bracket.associated
     if least is None:
-        return f"limit analysis: {upper:.4g} at most (associated); no start of the search for the least factor came to an end"
+        return f"limit analysis: {upper:.4g} at most (associated); no start of the search for the least factor converged"
     if upper is None:
         wedged = "the blocks are wedged, and what friction on their faces bears beyond that is the solver's choice"
         return f"limit analysis: {least:.4g}, the least found without dilation, and none with it that is finite: {wedged}"

@@ -3,7 +3,7 @@
 never a refusal.
 
 The line names the key, its value and what that means, and how it is written in the unit in which it would be usual; the key of a scene
-``quiet_checks`` lists keys whose values are meant so. What is usual, and why, stands in the field of each key
+``quiet_checks`` lists keys whose values are intended. What is usual, and why, stands in the field of each key
 (:class:`masonry_cd.foundation.units.Usual`); what some of these values are compared with is measured here (``MEASURES``).
 """
 
@@ -117,7 +117,7 @@ def _tables(scene: Scene) -> dict[str, Any]:
 
 
 def _spoken(found: Sequence[Doubt], quiet: Sequence[str]) -> list[str]:
-    """The lines but for those of keys that are meant so; of one key in the rows of a list the first, and how many others."""
+    """The lines but for those of keys that quiet_checks lists; of one key in the rows of a list the first, and how many others."""
     rows: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in found:
         if not any(is_within(doubt.key, name) for name in quiet):
@@ -126,9 +126,9 @@ def _spoken(found: Sequence[Doubt], quiet: Sequence[str]) -> list[str]:
 
 
 def _line(doubt: Doubt, others: int) -> str:
-    """A doubt as text: ``ag = 0.25 m/s2 is 0.025 g: ...; if g is meant: "0.25 g"; if it is meant so, ...``"""
+    """A doubt as text: ``ag = 0.25 m/s2 is 0.025 g: ...; for g write "0.25 g"; if it is intended, ...``"""
     said = doubt.words + (f" (and {others} more like it)" if others else "")
-    return "; ".join([said, *([doubt.meant] if doubt.meant else []), f'if it is meant so, quiet_checks = ["{doubt.key}"] says so'])
+    return "; ".join([said, *([doubt.meant] if doubt.meant else []), f'if it is intended, set quiet_checks = ["{doubt.key}"]'])
 
 
 def _unusual(tables: Mapping[str, Any], scene: Scene, built: Built | None = None) -> list[Doubt]:

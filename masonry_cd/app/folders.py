@@ -50,10 +50,10 @@ def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
     """
     there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
     if not there.is_dir():
-        raise InputError(there, "is a file; -o names a folder")
+        raise InputError(there, "is a file; give -o a folder")
     if not os.access(there, os.W_OK) or not shutil.disk_usage(there).total:  # no disc at all: /proc and its like
-        raise InputError(there, "nothing may be written there; -o names another folder")
+        raise InputError(there, "this folder is not writable; choose another one with -o")
     if not force and any((folder / mark).exists() for mark in marks):
-        raise InputError(folder, "holds results already; choose another folder, or --force to overwrite them")
+        raise InputError(folder, "holds results already; choose another folder with -o, or overwrite them with --force")
     if marks != RUN:  # a run looks itself, once it knows all of its outputs
         own_files.check(folder, marks)

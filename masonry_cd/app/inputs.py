@@ -69,7 +69,7 @@ def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) ->
     """
     for name in sorted(now.keys() | then.keys(), key=lambda name: (name in (BLOCKS, LOADS), name)):
         if now.get(name) != then.get(name):
-            raise InputError(file, f"{name}: not what it was when the run began; resume with what it was, or --force starts again")
+            raise InputError(file, f"{name}: not what it was when the run began; restore it to resume, or start again with --force")
 
 
 def paths_of(value: Any) -> Iterator[str]:

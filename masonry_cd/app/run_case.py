@@ -358,7 +358,7 @@ def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path, events: Ev
     """
     with Results.open(results) as found:
         if found.scene != case.scene.text:
-            raise InputError(results, "made by another scene; resume with the same scene file and the same --set")
+            raise InputError(results, "these results come from another scene; resume with the same scene file and the same --set")
         require_same(digests(case), found.inputs, results)
 
         def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:

@@ -91,7 +91,7 @@ class SceneTables(Table):
     events: list[dict[str, Any]] = Field(default_factory=list)
     """Changes of the model during a run, one [[events]] each: blocks, supports, ties, props, bonds and materials."""
     quiet_checks: list[str] = Field(default_factory=list)
-    """Keys whose unusual values are meant so, ["limit.check.ag"]: no line asks for their unit."""
+    """Keys whose unusual values are intended, such as ["limit.check.ag"]: their unit is not questioned."""
 
     @field_validator("title")
     @classmethod
@@ -181,7 +181,7 @@ class Scene:
     hazard: HazardTable | None = None  # its keys
     strengthen: dict[str, Any] = field(default_factory=dict)  # checked by app/strengthen_table.py
     assess: AssessTable = field(default_factory=AssessTable)
-    quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
+    quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are intended
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
     output: OutputTable = field(default_factory=OutputTable)
     events: tuple[dict[str, Any], ...] = ()  # checked by app/events.py

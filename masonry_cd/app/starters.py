@@ -51,9 +51,9 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
     texts |= {path.with_name(name): text for name, text in own.files().items()}
     for file in texts:
         if file.is_dir():
-            raise InputError(file, "is a folder; -o names a file")
+            raise InputError(file, "is a folder; give -o a file")
         if file.exists() and not force and not _is_schema(file):
-            raise InputError(file, "is there already; -o names another file, or --force overwrites it")
+            raise InputError(file, "exists already; choose another file with -o, or overwrite it with --force")
     path.parent.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         file.write_text(text, encoding="utf-8")

@@ -18,7 +18,7 @@ def assess(
     set_: Changes = None,
     all_pairs: Annotated[bool, typer.Option("--all-pairs", help="Two levels of every two assumptions together as well.")] = False,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="all cores")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or ran out of time.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Say how many runs there are, and make none.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write again what follows from the runs in DIR; make none.")] = False,
     force: Force = False,

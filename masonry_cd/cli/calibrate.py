@@ -21,7 +21,7 @@ def calibrate(
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
     slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Make samples again that failed or ran out of time.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Make samples again that failed or timed out.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Check the study, say how many samples there are at most, and make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,

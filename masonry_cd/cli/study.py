@@ -22,7 +22,7 @@ def study(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
     slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
     print_job: Annotated[bool, typer.Option("--print-job", help="Print the job that --slurm would submit, and make no run.")] = False,
-    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or ran out of time.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Check the study, print how many runs it has, and make none.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Fit and draw again from the runs in DIR; make none.")] = False,

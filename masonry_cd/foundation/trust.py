@@ -39,4 +39,4 @@ def require_trust(key: str, name: str, what: str, otherwise: str = "") -> None:
         InputError: says to pass --trust.
     """
     if not trusted():
-        raise InputError(key, f"{name} is {what}; where you know what it does, pass --trust{otherwise}")
+        raise InputError(key, f"{name} is {what}; if you trust it, pass --trust{otherwise}")

@@ -62,7 +62,7 @@ class Usual:
         return value == 0.0 or self.low <= abs(value) <= self.high
 
     def meant(self, value: float, unit: str, per: float = 1.0) -> str:
-        """Ways to write a value in other units in which it is usual, ``if g is meant: "0.25 g"``.
+        """Ways to write a value in other units in which it is usual, ``for g write "0.25 g"``.
 
         Args:
             value: of the key, in its own unit.
@@ -75,7 +75,7 @@ class Usual:
             size = float(_in_base(f"{name}/{GRAVITY}" if weight else name, unit)[0] / _in_base(unit, unit)[0])
             if self.holds(value * size / per):
                 written = f"{value:g} {name}" if not weight else f"{value * size:.4g} {unit}"
-                said.append(f'if {name} is meant: "{written}"')
+                said.append(f'for {name} write "{written}"')
         return "; ".join(said)
 
 

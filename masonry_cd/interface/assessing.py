@@ -132,7 +132,7 @@ def assess(
         all_pairs: two levels of every two assumptions as well.
         workers: processes of this machine; all cores when not given.
         progress: say on standard error how far it is.
-        retry: make runs again that failed or ran out of time.
+        retry: make runs again that failed or timed out.
         force: begin again, whatever the folder holds.
 
     Runs are made in processes of their own; a script needs no guard for them. Ctrl-C ends it: what is returned holds the runs that have

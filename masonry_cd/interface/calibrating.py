@@ -139,7 +139,7 @@ def calibrate(
         scheduler: address of a dask scheduler that runs, in their place.
         slurm: a file for workers as jobs of Slurm, in their place.
         progress: say on standard error how far it is.
-        retry: make samples again that failed or ran out of time.
+        retry: make samples again that failed or timed out.
         force: begin again, whatever the folder holds.
 
     Raises:

@@ -124,7 +124,7 @@ class Copies(ModelChanges, SimulationViews):
 
     def _refuse_when_busy(self, what: str) -> None:
         if self._busy:
-            raise InputError(what, "this simulation is in the middle of a step; between steps it can be asked for")
+            raise InputError(what, "this simulation is in the middle of a step; ask between steps")
 
     def _fresh_advance(self) -> Advance:
         case: Case = self._case

@@ -67,7 +67,7 @@ class ModelChanges:
             InputError: names that fit nothing, a change of the kind of joints, a call in the middle of a step; nothing is changed.
         """
         if self._advance.at_work:
-            raise InputError("change", "this simulation is in the middle of a step; between steps its model can be changed")
+            raise InputError("change", "this simulation is in the middle of a step; change its model between steps")
         given = {key: list(value) if isinstance(value, tuple) else value for key, value in keys.items()}
         made = parse_table(Change, given, "change")
         if made.material is not None and made.material.friction is not None and self._stepper.friction is not None:

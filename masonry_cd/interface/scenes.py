@@ -180,7 +180,7 @@ class Scene(Sealed):
         contents = {path: self.text.encode()} | {path.with_name(name): (self._checked.folder / name).read_bytes() for name in self._own()}
         for file, content in contents.items():
             if not force and file.exists() and (file.is_dir() or file.read_bytes() != content):
-                raise InputError(file, "is there already, with another content; choose another folder, or force=True overwrites it")
+                raise InputError(file, "exists already with other content; choose another folder, or overwrite it with force=True")
         path.parent.mkdir(parents=True, exist_ok=True)
         for file, content in contents.items():
             with replacing(file) as part:

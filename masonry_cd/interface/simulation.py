@@ -224,7 +224,7 @@ class Simulation(Copies):
 
     def _make_step(self) -> None:
         if self._busy:
-            raise InputError("step", "this simulation is in the middle of one; a function that it calls cannot step it")
+            raise InputError("step", "this simulation is in the middle of a step; a function that it calls cannot start another")
         self._follow(self._advance.step())
 
     def _follow(self, made: Advanced) -> None:

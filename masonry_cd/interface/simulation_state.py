@@ -131,7 +131,7 @@ def checked_state(wanted: Any, stepper: Stepper) -> State:
     if linkage is not None:
         torn = linkage.largest_violation(state)
         if torn > max(OVERLAP * stepper.width, linkage.largest_violation(now)):
-            raise InputError("state", f"a link would be torn by {torn:.3g} m or rad: blocks that hang together are moved together")
+            raise InputError("state", f"a link would have to close {torn:.3g} m or rad: move linked blocks together")
     return state
 
 

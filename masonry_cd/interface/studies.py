@@ -197,7 +197,7 @@ def study(
         scheduler: address of a dask scheduler that runs, in their place.
         slurm: a file for workers as jobs of Slurm, in their place.
         progress: say on standard error how far it is.
-        retry: make runs again that failed or ran out of time.
+        retry: make runs again that failed or timed out.
         force: begin again, whatever the folder holds.
 
     Everything is checked before anything runs. Runs are made in processes of their own; a script needs no guard for them. Ctrl-C, or the

@@ -24,7 +24,7 @@ from masonry_cd.foundation.files import size_of_regular
 NAME = "checkpoint.npz"
 FORMAT = 14  # of what a stepper writes and of the results next to it; raised when what they hold changes
 Check = Callable[[dict[str, np.ndarray], dict[str, Any]], None]
-NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
+NOTHING = "there is no checkpoint to resume from: the run finished, or stopped before its first one"
 
 
 class Damaged(InputError):
@@ -77,7 +77,8 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     if (form := numbers.get("format")) != FORMAT:
         which = "a newer" if isinstance(form, int) and form > FORMAT else "an older" if isinstance(form, int) else "another"
         raise InputError(
-            path, f"of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts again"
+            path,
+            f"of format {form!r}, written by {which} version of masonry_cd, which alone continues from it; start again with --force",
         )
     if checksum != _checksum(arrays, text):
         raise Damaged(path, "not a readable checkpoint: its checksum is not that of its content")
@@ -106,7 +107,7 @@ def mend(path: Path, check: Check = lambda arrays, numbers: None) -> str:
             else:
                 if file == older:
                     older.replace(path)
-                return f"{refused[0]}; going on from the one before it" if refused else ""
+                return f"{refused[0]}; the run continues from the one before" if refused else ""
     raise refused[0]
 
 

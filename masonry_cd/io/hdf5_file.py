@@ -62,7 +62,7 @@ class _Source(io.RawIOBase):
             return head, False  # HDF5 itself says what it is, or is not
         signature, version, offsets, lengths, marks, base, extension, end, root, checksum = SUPERBLOCK.unpack(head)
         if checksum != lookup3(head[:-4]):
-            raise InputError(self._path, "damaged at its very beginning: it cannot be read")
+            raise InputError(self._path, "damaged: its header cannot be read")
         if not marks and end > self._size:
             raise Cut
         mended = SUPERBLOCK.pack(signature, version, offsets, lengths, 0, base, extension, self._size, root, 0)[:-4]
@@ -116,7 +116,7 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
         source = _Source(path)
         return h5py.File(source, "r"), source.written
     except Cut:
-        raise InputError(path, "cut off: parts of the file are missing, as after a copy that broke") from None
+        raise InputError(path, "truncated: parts of the file are missing, perhaps because a copy was interrupted") from None
     except IsADirectoryError:
         raise InputError(path, "is a folder, no file") from None
     except (OSError, EOFError, RuntimeError, ValueError, KeyError) as reason:

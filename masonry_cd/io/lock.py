@@ -39,7 +39,7 @@ def locked(folder: Path) -> Iterator[None]:
         holder = _read(file)
         if holder and (end := _lives(file, holder)):
             where = f"process {holder['pid']} on {holder['host']}"
-            raise InputError(folder, f"another run writes there ({where}){end}")
+            raise InputError(folder, f"another run is writing to this folder ({where}){end}")
         handle = None
         with replacing(file, listed=False) as part:
             handle = _held(part)
@@ -78,7 +78,7 @@ def _lives(file: Path, holder: dict[str, Any]) -> str:
     try:
         handle = hold(file)
     except BlockingIOError:
-        return ": wait for its end, or name another folder"
+        return ": wait until it ends, or choose another folder"
     except OSError:  # a lock that may be read and not written
         handle = None
     if handle is not None:
@@ -86,7 +86,7 @@ def _lives(file: Path, holder: dict[str, Any]) -> str:
         if holder.get("held") and _boot(holder["started"]) and _boot(holder["started"]) == _boot(started(os.getpid())):
             return ""
     if holder["host"] != socket.gethostname():
-        return f", and whether it lives cannot be known from here: if its machine or container has ended, remove {file} and repeat"
+        return f", which may still be running: if its machine or container has ended, remove {file} and repeat"
     lives = holder["started"] != "" and started(holder["pid"]) == holder["started"]
     return f"; where that is wrong, remove {file}" if lives else ""
 

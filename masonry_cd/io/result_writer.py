@@ -242,7 +242,7 @@ class ResultWriter:
     def _write(self) -> None:
         """Hand what waits in the buffers to HDF5."""
         if (free := shutil.disk_usage(self.path.parent).free) < self._pending_bytes + ROOM:  # HDF5 itself would not survive it
-            raise OSError(f"{self.path}: no room on the disc ({free / 1e6:.2g} MB left); the results before are kept")
+            raise OSError(f"{self.path}: the disk is full ({free / 1e6:.2g} MB left); results up to here are kept")
         for name, parts in self._pending.items():
             dataset = self._growing[name]
             rows = np.concatenate(parts).astype(dataset.dtype, copy=False)

@@ -301,7 +301,7 @@ def _unchecked(analysis: Analysis) -> Verdict:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
     if analysis.endless:
         return undecided(f"no finite load factor was found; {NO_SEARCH}", search_numbers(analysis))
-    return refused("the structure bears no such load, the least of it sets it in motion", search_numbers(analysis))
+    return refused("the structure has no resistance to this load, and any amount of it starts the motion", search_numbers(analysis))
 
 
 def _notes_on(whole: WholeAnalysis, asked: CheckTable | None) -> list[str]:
@@ -317,12 +317,12 @@ def _notes_on_structure(structure: LimitStructure) -> list[str]:
     assembly, scene, check = structure.assembly, structure.scene, structure.asked.check
     notes = doubts(scene, assembly, structure.joints)
     if scene.ground:
-        notes.append("[[ground]]: limit analysis is of supports that do not yield")
+        notes.append("[[ground]]: limit analysis treats these supports as rigid")
     if check is not None and check.record is not None:
         notes += check_doubts(scene, check.record)
     if loose := loose_contacts(assembly):
-        notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")
+        notes.append(f"{loose} pairs of blocks touch along a line or in a point only: limit analysis ignores these contacts")
     gap = built_gap(assembly)
     if gap > GAP * assembly.width:
-        notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
+        notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which are ignored")
     return notes + [law.in_limit for law in held(assembly.laws) if law.in_limit]

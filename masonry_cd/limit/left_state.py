@@ -60,9 +60,9 @@ def left_state(structure: LimitStructure, loads: StaticLoads) -> tuple[LimitStru
         _refuse_others(results, assembly)
         frame = _frame(results, asked.time)
         if not results.present(frame).all():
-            raise InputError(KEY, f"{results.path}: events have taken blocks away, and limit analysis has all those of the scene")
+            raise InputError(KEY, f"{results.path}: events have taken blocks away, and limit analysis includes all blocks of the scene")
         if results.gradient(frame) is not None:
-            raise InputError(KEY, f"{results.path}: its blocks deform, and limit analysis has rigid ones")
+            raise InputError(KEY, f"{results.path}: its blocks deform; limit analysis treats them as rigid")
         pose = Pose.of(results, solids_of(results.blocks), frame)
     placed = assembly.placed(pose.position, pose.rotation)
     placed = replace(placed, laws=placed.laws.unbonded())
@@ -128,9 +128,9 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
     """The line on what is left of the load factor of the structure as built."""
     if not now.stands:
         return (
-            f"as built it bore its dead loads, and now {100.0 * max(now.standing, 0.0):.3g} % of them"
+            f"as built it bore its dead loads; now it bears {100.0 * max(now.standing, 0.0):.3g} % of them"
             if whole.stands
-            else "nor did it as built"
+            else "it does not stand under its dead loads, and did not as built"
         )
     if now.problem.moves_support:
         return "supports that move have no load factor to compare"
@@ -140,7 +140,7 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
         return f"{_factor_words(now)} against {_factor_words(whole)} as built"
     searched = now.least is not None and whole.least is not None
     factor, before = ((each.governing if searched else each.associated).factor for each in (now, whole))
-    rule = "" if searched or not (now.starts or whole.starts) else ", both associated: a search came to no end"
+    rule = "" if searched or not (now.starts or whole.starts) else ", both associated: a search did not converge"
     return f"load factor {factor:.4g} against {before:.4g} as built, {100.0 * factor / before:.3g} %{rule}"
 
 
@@ -149,7 +149,7 @@ def _factor_words(analysis: Analysis) -> str:
     if analysis.endless:
         return "no finite load factor"
     return (
-        "no load factor, the least of the load sets it in motion"
+        "no load factor: any amount of the load starts the motion"
         if analysis.bears_nothing
         else f"load factor {analysis.governing.factor:.4g}"
     )

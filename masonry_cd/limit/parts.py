@@ -149,7 +149,7 @@ def in_pieces(elements: Sequence[MacroElement], joints: Joints) -> list[str]:
         pieces, _ = connected_components(coo_matrix((np.ones(len(row)), (row, column)), (len(one.blocks),) * 2), directed=False)
         if pieces > 1:
             out.append(
-                f"{one.name}: its {len(one.blocks)} blocks are {pieces} pieces that do not touch: they count as one body; a part for each?"
+                f"{one.name}: its {len(one.blocks)} blocks are {pieces} pieces that do not touch, taken as one body; give each a part?"
             )
     return out
 

@@ -57,7 +57,7 @@ def search_words(analysis: Analysis) -> str:
     least = analysis.least
     if least is None:
         off = f"not searched for; {ASK}, at some ten times the cost of the associated factor each"
-        sought = f"of {analysis.starts} starts none came to an end" if analysis.starts else off
+        sought = f"of {analysis.starts} starts, none converged" if analysis.starts else off
         return f"sliding without dilation may give way at less: {sought}"
     open_end = least.starts - len(least.found)
     ended = f", {open_end} to no end" if open_end else ""
@@ -92,8 +92,8 @@ def doubt(analysis: Analysis) -> str:
     if not analysis.starts:
         large = analysis.problem.axis is None and analysis.problem.points.count > SEARCHED
         size = f" in a structure of more than {SEARCHED:,} contact points" if large else ""
-        return f"the least factor without dilation is not searched for by default{size}: {ASK}"
-    return _unsure(search_numbers(analysis), f"of {analysis.starts} starts of the search for the least factor none came to an end")
+        return f"the least factor without dilation is not computed by default{size}: {ASK}"
+    return _unsure(search_numbers(analysis), f"of {analysis.starts} starts of the search for the least factor, none converged")
 
 
 def doubt_of(part: ElementAnalysis, effort: Effort) -> str:
@@ -101,8 +101,8 @@ def doubt_of(part: ElementAnalysis, effort: Effort) -> str:
     if part.remarks:
         return part.remarks[0]
     if part.numbers.least is None and part.points > effort.most_points:
-        return f"the free least mechanism is not searched for in a part of more than {effort.most_points:,} contact points: {ASK}"
-    return _unsure(part.numbers, "no start of the search for the free least mechanism came to an end")
+        return f"the free least mechanism is not computed for a part of more than {effort.most_points:,} contact points: {ASK}"
+    return _unsure(part.numbers, "no start of the search for the free least mechanism converged")
 
 
 def _unsure(found: SearchNumbers, no_end: str) -> str:

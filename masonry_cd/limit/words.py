@@ -100,7 +100,7 @@ def _factor_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
         borne = force(-answer.factor * analysis.problem.weight)
         return [*out, f"{loads.words}: the supports that move still bear {borne} against it", *_least_lines(case, whole)]
     if analysis.bears_nothing:
-        return [*out, f"{loads.words}: no load factor: the structure bears no such load, the least of it sets it in motion"]
+        return [*out, f"{loads.words}: no load factor: the structure has no resistance to this load, any amount of it starts the motion"]
     angle = f", an angle of {math.degrees(math.atan(answer.factor)):.4g} degrees" if loads.kind == "tilt" else ""
     out.append(f"{loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper value)")
     return [*out, *_least_lines(case, whole)]

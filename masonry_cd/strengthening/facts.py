@@ -125,7 +125,7 @@ def _verdict(made: Strengthening, table: Sequence[dict[str, Any]]) -> Verdict:
     doubts = [case for case in made.after if case.whole is not None and case.whole.analysis.least is None]
     sure, words = (LOOK, "the least factor is not known") if doubts else (GOOD, "verified by the search for the least factor")
     grade = f"{number_of(len(made.ties), 'tie')} for {goal.words}" if made.ties else f"{goal.words} is reached without a tie"
-    return Verdict(grade, "", reached, sure, words, "of one push a search came to no end: raise limit.starts" if doubts else "")
+    return Verdict(grade, "", reached, sure, words, "the search of one push did not converge: raise limit.starts" if doubts else "")
 
 
 def lines(found: dict[str, Any]) -> list[str]:

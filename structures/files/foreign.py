@@ -96,7 +96,7 @@ def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "",
     """
     points, loops = points_of(vertices), tuple(tuple(map(index, loop)) for loop in faces)
     if not all(0 <= corner < len(points) for loop in loops for corner in loop):
-        raise ValueError("a face names a vertex that there is not")
+        raise ValueError("a face names a vertex that does not exist")
     return Piece(int(number), word_of(name), points, loops, word_of(group), bool(fixed), float(density))
 
 

@@ -305,7 +305,7 @@ def _contactor(where: str, kind: str, text: str) -> tuple[np.ndarray, Faces]:
     if len(announced) != 2 or announced != [len(points), len(corners) // 3] or len(corners) % 3:
         raise Refused(where, "not as many corners and faces as it announces")
     if corners and (min(corners) < 0 or max(corners) >= len(points)):
-        raise Refused(where, "a face names a corner that there is not")
+        raise Refused(where, "a face names a corner that does not exist")
     return points, tuple((corners[k], corners[k + 1], corners[k + 2]) for k in range(0, len(corners), 3))
 
 

@@ -32,7 +32,7 @@ def shells(vertices: np.ndarray, loops: Sequence[Sequence[int]]) -> list[Shell]:
         loops: of corners, counter-clockwise seen from outside.
 
     Raises:
-        ValueError: a face names a corner that there is not, or none.
+        ValueError: a face names a corner that does not exist, or none.
     """
     corners = np.array([i for loop in loops for i in loop], dtype=np.int64)
     if not len(corners):

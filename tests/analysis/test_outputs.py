@@ -169,7 +169,7 @@ FOUND: dict[str, Any] = {
         ({"no_finite_factor": True, "associated": None, "certificate": None}, "load factor 0.24", "look"),
         ({"no_finite_factor": True, "associated": None, "certificate": None, "least": None}, "no finite load factor", "look"),
         ({"stands": False}, "does not stand", "doubtful"),
-        ({"bears_nothing": True}, "bears no such load", "good"),
+        ({"bears_nothing": True}, "has no resistance to this load", "good"),
         ({"verdict": {"state": "NOT satisfied", "confidence": "certain", "because": "", "reason": "too little"}}, "NOT satisfied", "good"),
         ({"verdict": {"state": "not decided", "confidence": "doubtful", "because": "no search", "reason": ""}}, "not decided", "look"),
     ],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values in another unit draw one line that names key, value, both readings and how to say that it is meant so; usual ones draw none."""
+"""Values in another unit draw one line that names key, value, both readings and how to confirm it; usual ones draw none."""
 
 from __future__ import annotations
 
@@ -52,15 +52,15 @@ def lines(*changes: str, summaries: tuple[dict[str, Any], ...] = ()) -> list[str
 
 CHECK = 'limit.check={spectrum="EC8", ag=0.25}'
 CASES = [
-    (CHECK, "limit.check.ag = 0.25 m/s2 is 0.0255 g: ", 'if g is meant: "0.25 g"'),
+    (CHECK, "limit.check.ag = 0.25 m/s2 is 0.0255 g: ", 'for g write "0.25 g"'),
     ('loads=[{kind="record", target_pga=0.3, path="a", direction="x"}]', "loads[0].target_pga = 0.3 m/s2 is 0.0306 g: ", '"0.3 g"'),
     ('loads=[{kind="settlement", supports="base", displacement=30, duration=100}]', "loads[0].displacement = 30 m is 30 ", '"30 mm"'),
     ('loads=[{kind="settlement", supports="base", displacement=0.08, duration=0.1}]', "loads[0].displacement = 0.08 m is", "strike"),
-    ('loads=[{kind="point", block="stone", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", 'kN is meant: "40 kN"'),
+    ('loads=[{kind="point", block="stone", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", 'for kN write "40 kN"'),
     ('loads=[{kind="point", block="stone", force=[0, 0, -4e8]}]', "loads[0].force = 4e+08 N is 400 MPa on its block", "30 MPa"),
     ('loads=[{kind="point", block="stone", force=[0, 0, -2e7]}]', "loads[0].force = 2e+07 N is 1.02e+03 times ", "proof loads"),
-    ("material.density=1.9", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),
-    ("material.density=19.0", "material.density = 19 kg/m3: ", 'if kN/m3 is meant: "1937 kg/m3"'),
+    ("material.density=1.9", "material.density = 1.9 kg/m3: ", 'for t/m3 write "1.9 t/m3"'),
+    ("material.density=19.0", "material.density = 19 kg/m3: ", 'for kN/m3 write "1937 kg/m3"'),
     ("material.friction=1.5", "material.friction = 1.5: ", "tangent"),
     ("material.friction={default = 0.6, base-block = 1.5}", "material.friction.base-block = 1.5: ", "tangent"),
     ('material={density=2000.0, friction=0.6, deformable="uniform", young=1500.0}', "material.young = 1500 Pa: ", '"1500 MPa"'),
@@ -69,19 +69,19 @@ CASES = [
     ('structure.ties=[{along="x", height=1.0, diameter=30, yield_force=1e8}]', "structure.ties[0].diameter = 30 m: ", '"30 mm"'),
     ('loads=[{kind="tie", blocks=["base", "stone"], area=7e-4, tension=40.0}]', "loads[0].tension = 40 N is 0.057 MPa", '"40 kN"'),
     ('loads=[{kind="point", block="st*", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", '"40 kN"'),
-    ('structure.ties=[{along="x", height=1.0, section=[20, 25]}]', "structure.ties[0].section[0] = 20 m: ", 'mm is meant: "20 mm"'),
-    ("run.gravity=[0, 0, -1.0]", "run.gravity = 1 m/s2 is 0.102 g: ", 'if g is meant: "1 g"'),
-    ('structure={kind="church", roof_mass=1.2}', "structure.roof_mass = 1.2 kg/m2: ", 'if kN/m2 is meant: "122.4 kg/m2"'),
-    ('structure={kind="building", roofs=[{mass=1.5}]}', "structure.roofs[0].mass = 1.5 kg/m2: ", 'if kN/m2 is meant: "153 kg/m2"'),
-    ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", 'if kN/m2 is meant: "407.9 kg/m2"'),
-    ('loads=[{kind="vehicle", axles=[100, 100], spacing=[2.0]}]', "loads[0].axles[0] = 100 N: ", 'if kN is meant: "100 kN"'),
+    ('structure.ties=[{along="x", height=1.0, section=[20, 25]}]', "structure.ties[0].section[0] = 20 m: ", 'for mm write "20 mm"'),
+    ("run.gravity=[0, 0, -1.0]", "run.gravity = 1 m/s2 is 0.102 g: ", 'for g write "1 g"'),
+    ('structure={kind="church", roof_mass=1.2}', "structure.roof_mass = 1.2 kg/m2: ", 'for kN/m2 write "122.4 kg/m2"'),
+    ('structure={kind="building", roofs=[{mass=1.5}]}', "structure.roofs[0].mass = 1.5 kg/m2: ", 'for kN/m2 write "153 kg/m2"'),
+    ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", 'for kN/m2 write "407.9 kg/m2"'),
+    ('loads=[{kind="vehicle", axles=[100, 100], spacing=[2.0]}]', "loads[0].axles[0] = 100 N: ", 'for kN write "100 kN"'),
     ('loads=[{kind="push", control="displacement", direction="x", blocks="stone", targets=[0.1,-0.5]}]',
      "loads[0].targets[1] = -0.5 m", '"-0.5 mm"'),
     ('structure={kind="bridge", fill={friction_angle=0.6}}', "structure.fill.friction_angle = 0.6 degrees: ", '"0.6 rad"'),
-    ('limit.check={spectrum="NTC", tc_star=300}', "limit.check.tc_star = 300 s: ", 'if ms is meant: "300 ms"'),
-    ("structure.ties=[{along='x', height=1.0, area=314}]", "structure.ties[0].area = 314 m2: ", '"314 cm2"; if mm2 is meant: "314 mm2"'),
+    ('limit.check={spectrum="NTC", tc_star=300}', "limit.check.tc_star = 300 s: ", 'for ms write "300 ms"'),
+    ("structure.ties=[{along='x', height=1.0, area=314}]", "structure.ties[0].area = 314 m2: ", '"314 cm2"; for mm2 write "314 mm2"'),
     ('limit.check={spectrum="EC8", behaviour_factor=4.0}', "limit.check.behaviour_factor = 4: ", "2 at the most"),
-    ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'if t/m3 is meant: "1.9 t/m3"'),  # a text with a unit is judged alike
+    ("material.density=1.9 kg/m3", "material.density = 1.9 kg/m3: ", 'for t/m3 write "1.9 t/m3"'),  # a text with a unit is judged alike
 ]  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def test_a_value_in_another_unit_draws_one_line_and_none_where_it_is_meant_so(ch
     assert line.startswith(begins)
     key = begins.partition(" = ")[0]
     assert holds in line
-    assert line.endswith(f'if it is meant so, quiet_checks = ["{key}"] says so')
+    assert line.endswith(f'if it is intended, set quiet_checks = ["{key}"]')
     assert lines(change, f'quiet_checks=["{key}"]') == []
     assert lines(change, 'quiet_checks=["run.dt"]') == [line]
 
@@ -121,7 +121,7 @@ def test_what_points_the_wrong_way_or_is_of_another_code_draws_one_line(change: 
 
 @pytest.mark.parametrize(("gap", "said"), [(0.0, False), (1e-5, False), (2e-3, True), (4e-3, True), (0.01, False), (0.05, False)])
 def test_a_head_joint_that_gapes_is_named_with_its_blocks(gap: float, said: bool) -> None:
-    """Two stones side by side on one bed; a joint of mortar that was left out, or a gap that is meant."""
+    """Two stones side by side on one bed; a joint of mortar that was left out, or an intended gap."""
     stones = [box("left", (0, 0, 0), (1, 1, 1)), box("right", (1 + gap, 0, 0), (2, 1, 1))]
     apart = Assembly.from_blocks([box("base", (0, 0, -1), (2, 1, 0), fixed=True), *stones], 0.6)
     found = doubts(parse_scene(TEXT, Path("scene.toml")), apart, find_joints(apart))
@@ -207,7 +207,7 @@ def test_a_floor_that_weighs_more_than_what_bears_it_draws_a_line() -> None:
     assert line.startswith("structure.floors[0].mass = 2500 kg/m2 is 2.5 t on 2 t of masonry: roofs and floors weigh less")
 
 
-@pytest.mark.parametrize(("density", "said"), [(1.9, 'if t/m3 is meant: "1.9 t/m3"'), (2.4e4, "basalt"), (2400.0, ""), (2000.0, "")])
+@pytest.mark.parametrize(("density", "said"), [(1.9, 'for t/m3 write "1.9 t/m3"'), (2.4e4, "basalt"), (2400.0, ""), (2000.0, "")])
 def test_a_density_that_a_file_of_blocks_states_is_looked_at(density: float, said: str) -> None:
     """Once for all of its blocks; those that take the density of the scene have a line for its key alone."""
     blocks = [PAIR.blocks[0], *(replace(PAIR.blocks[1], name=name, density=density) for name in ("one", "two"))]

@@ -349,7 +349,7 @@ def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeyp
     monkeypatch.setattr(Stepper, "step", step)
     assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
     assert second[0].exit_code == 2
-    assert f"another run writes there (process {os.getpid()} on " in second[0].stderr
+    assert f"another run is writing to this folder (process {os.getpid()} on " in second[0].stderr
     assert len(second[0].stderr.splitlines()) == 1
     assert not (out / "run.lock").exists()
 
@@ -419,7 +419,7 @@ def test_a_damaged_checkpoint_is_one_line_or_gives_way_to_the_one_before(block_o
     assert "checkpoint.npz: not a readable checkpoint" in result.stderr
     older.write_bytes(kept)
     result = done(*asked, "--resume")
-    assert "going on from the one before it" in result.stderr
+    assert "the run continues from the one before" in result.stderr
     assert json.loads((out / "summary.json").read_text())["steps"] == 20
 
 

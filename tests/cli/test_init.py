@@ -141,7 +141,7 @@ def test_the_page_opens_in_the_browser(run, opened, monkeypatch, display):
 
 def test_without_a_display_or_a_browser_it_is_said_where_the_page_lies(run, opened, monkeypatch):
     place = (run / "report.html").as_uri()
-    assert (view(run).stdout, opened) == (f"no display here; the page is {place}\n", [])
+    assert (view(run).stdout, opened) == (f"no display is available; the page is {place}\n", [])
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(webbrowser, "open", lambda page: False)
     assert place in view(run).stdout

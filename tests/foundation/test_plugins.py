@@ -171,7 +171,7 @@ def test_a_file_of_the_users_runs_only_where_the_command_line_trusts_it(tmp_path
     asked = ("build", tmp_path / "scene.toml", "-o", tmp_path / "out", "--no-picture")
     exit_code, said = command(*asked)
     assert exit_code == 2 and said.count("\n") == 1
-    assert "own.py is a program that runs with your rights; where you know what it does, pass --trust" in said
+    assert "own.py is a program that runs with your rights; if you trust it, pass --trust" in said
     assert not mark.exists() and not (tmp_path / "out").exists()
     exit_code, said = command(*asked, "--trust")
     assert exit_code == 0, said
@@ -218,7 +218,7 @@ def test_a_kind_of_a_package_has_a_starter_doubts_units_sizes_and_parts(tmp_path
     code, said = command("init", "stack", "-o", tmp_path / "scene.toml")
     assert code == 0, said
     code, said = command("build", tmp_path / "scene.toml", "-o", tmp_path / "out", "--no-picture", "--set", "structure.side=50 m")
-    assert code == 0 and 'structure.side = 50 m: cubes are 1 cm (a model) to 5 m wide; if mm is meant: "50 mm"' in said
+    assert code == 0 and 'structure.side = 50 m: cubes are 1 cm (a model) to 5 m wide; for mm write "50 mm"' in said
     scene = mc.scene(tmp_path / "scene.toml")
     (sizes,) = (one for one in assumptions_of(scene.checked, scene.tables, shakes=False)[0] if one.name == "block size")
     tables = scene.tables

@@ -90,7 +90,7 @@ def test_a_run_elsewhere_holds_its_folder(tmp_path: Path) -> None:
     )
     ended = elsewhere("-c", held, *command, folder=tmp_path)
     assert ended.returncode == 2
-    assert ended.stderr.startswith("masonry-cd: error: held: another run writes there (process ")
+    assert ended.stderr.startswith("masonry-cd: error: held: another run is writing to this folder (process ")
     ended = elsewhere(*command, tmp_path / "held", folder=tmp_path)
     assert (ended.returncode, ended.stderr) == (0, ""), "the lock of a process that has ended is not taken over"
 

@@ -85,7 +85,7 @@ def test_a_folder_of_its_own_lives_as_long_as_the_run(tables: dict[str, Any]) ->
 
 def test_a_folder_that_holds_results_is_refused(tables: dict[str, Any], tmp_path: Path) -> None:
     mc.run(tables, tmp_path, progress=False)
-    with pytest.raises(mc.InputError, match="holds results already; choose another folder, or --force to overwrite them"):
+    with pytest.raises(mc.InputError, match="holds results already; choose another folder with -o, or overwrite them with --force"):
         mc.run(tables, tmp_path)
     assert mc.run(mc.open(tmp_path).scene.changed("run.duration=0.04"), tmp_path, force=True, progress=False).time[-1] == pytest.approx(
         0.04

@@ -208,7 +208,7 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
 def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
     monkeypatch.setattr(descent, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
-    assert any("of 4 starts none came to an end" in line for line in said(ended))
+    assert any("of 4 starts, none converged" in line for line in said(ended))
     assert (facts(ended)["least"], facts(ended)["starts"]) == (None, 4)
     none = limit_case(scene(tmp_path, pillar(), PUSH + "[limit]\nstarts = 0\n"))
     assert any("not searched for" in line for line in said(none))
@@ -318,7 +318,7 @@ def test_what_bears_no_live_load_has_no_factor_in_words(tmp_path):
     load = '[[loads]]\nkind = "point"\nblock = "beam"\nforce = [0, 0, -100.0]\npoint = [1.0, 0, 0.2]\n'
     found = limit_case(scene(tmp_path, blocks, f"{load}[limit]\nlive = [0]\n"))
     assert found.whole.analysis.stands
-    assert any("no load factor: the structure bears no such load" in line for line in said(found))
+    assert any("no load factor: the structure has no resistance to this load" in line for line in said(found))
     assert not any("e-1" in line for line in said(found) if "certificate" not in line)
     assert facts(found)["bears_nothing"] is True
     write(found, tmp_path / "out", pictures=False)

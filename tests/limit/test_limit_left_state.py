@@ -98,7 +98,7 @@ def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
         ({}, {"unlimited": True, "least": None}, "load factor 0.3333 against no finite load factor as built"),
         ({}, {"standing": 0.5}, "as built it did not stand under its dead loads; load factor 0.3333 now"),
         ({"standing": 0.25}, {}, "as built it bore its dead loads, and now 25 % of them"),
-        ({}, {"least": None}, "both associated: a search came to no end"),
+        ({}, {"least": None}, "both associated: a search did not converge"),
     ],
 )
 def test_what_has_no_two_factors_says_which_it_lacks(left, now, whole, words):

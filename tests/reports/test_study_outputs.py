@@ -176,7 +176,7 @@ def test_few_records_are_warned_of_and_runs_that_failed_are_no_data(tmp_path: Pa
         (12, 0, "good", "nothing in the runs speaks against what is fitted"),
         (5, 0, "look", "5 records, and 10 are wanted"),
         (12, 9, "doubtful", "9 of 60 runs failed or timed out"),
-        (1, 5, "unknown", "no verdict, no run is done"),
+        (1, 5, "unknown", "no verdict: no run has finished"),
     ],
 )
 def test_the_verdict_says_what_the_runs_bear_out(records: int, failed: int, sure: str, words: str, tmp_path: Path):

@@ -320,7 +320,7 @@ def ill(path: Path) -> foreign.Answer:
         ("crashing", "a.bin: cannot be read: its reader crashed (SIGSEGV); it is damaged, or needs more than 4 GiB of memory"),
         ("hungry", "a.bin: cannot be read: it needs more than 4 GiB of memory"),
         ("flooding", "a.bin: cannot be read: "),
-        ("lying", "a.bin: cannot be read: its reader answers nonsense: a face names a vertex that there is not"),
+        ("lying", "a.bin: cannot be read: its reader answers nonsense: a face names a vertex that does not exist"),
         ("ill", "a.bin: cannot be read: two"),
         ("none", "a.bin: cannot be read: module"),
     ],

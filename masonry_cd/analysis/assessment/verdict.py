@@ -59,14 +59,14 @@ def on_the_whole(found: Assessment) -> Verdict:
     others = _deciding(found)
     numerical = [one for one in found.deciding if one.numerical]
     if found.base.row.number("grade") == NOT_GRADED or numerical:
-        words = "do not rely on these runs before they are mended"
+        words = "do not rely on these runs until the cause is removed"
         reason = [f"{_named(numerical)} {'changes' if len(numerical) == 1 else 'change'} the answers"] if numerical else []
         reason += [f"the base case cannot be relied on{_doubt(found.base)}"] if found.base.row.number("grade") == NOT_GRADED else []
         return Verdict(_range(found), "", "", DOUBTFUL, words, "; ".join([*reason, *others]))
     if found.deciding:
         return Verdict(_range(found), "", "", LOOK, "what is assumed decides, no single run is the answer", "; ".join(others))
     if warned := warnings_of(found):
-        return Verdict(_range(found), "", "", LOOK, "read this before you rely on these runs", "; ".join([*warned, *others]))
+        return Verdict(_range(found), "", "", LOOK, "check these points before you rely on these runs", "; ".join([*warned, *others]))
     return Verdict(_range(found), "", "", GOOD, "; ".join(others) or "nothing that was varied changes it", "")
 
 

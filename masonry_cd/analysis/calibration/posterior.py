@@ -145,7 +145,7 @@ class Posterior:
         if self.misfit is not None and self.misfit < UNLIKELY:
             return Verdict("", "", "", DOUBTFUL, "the model does not explain what was observed", "; ".join([fit, *self._far()]))
         if warned := self.warnings:
-            return Verdict("", "", "", LOOK, "read this before you rely on it", "; ".join(warned))
+            return Verdict("", "", "", LOOK, "check these points before you rely on it", "; ".join(warned))
         return Verdict("", "", "", GOOD, f"the model explains what was observed{f' ({fit})' if fit else ''}", "")
 
     def _far(self) -> list[str]:

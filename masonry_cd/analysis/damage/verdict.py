@@ -27,8 +27,8 @@ ENERGY, OVERLAP, TIME_STEP, BEDS = "Energy balance", "Overlap of blocks", "Time 
 LOADS, LAWS, MODEL = "Loads", "Joint laws", "Model"
 WORDS = {
     GOOD: "all checks of the computation are good",
-    LOOK: "read this before you rely on the run",
-    DOUBTFUL: "do not rely on this run before it is mended",
+    LOOK: "check these points before you rely on the run",
+    DOUBTFUL: "do not rely on this run until the cause is removed",
     UNKNOWN: "the run left no summary, so its checks are not known",
 }
 
@@ -154,7 +154,7 @@ def _forces(summary: Summary) -> Finding:
     will_do = tolerance_that_does(solver) if missed > FEW * steps else None
     sound = missed <= FEW * steps or will_do is not None
     verdict = GOOD if not missed else LOOK if sound and error < 1.0 else DOUBTFUL
-    remedy = "" if will_do is None else f"; run.tolerance = {will_do:g} will do, which all but a hundredth of them reached"
+    remedy = "" if will_do is None else f"; set run.tolerance = {will_do:g}, which 99 % of the steps meet"
     return Finding(FORCES, verdict, f"{missed} of {steps} steps missed the tolerance, with an error of {error:.2g} at most{remedy}")
 
 
@@ -183,11 +183,11 @@ def _false_motion(summary: Summary, slip: float, thresholds: Thresholds) -> Find
 
 
 def tighter(solver: Solver, false: float, wanted: float) -> str:
-    """``; run.tolerance = 1e-05 will do``: the power of ten that makes false motion or work, which goes with the tolerance, as small as
+    """``; set run.tolerance = 1e-05``: the power of ten that makes false motion or work, which goes with the tolerance, as small as
     ``wanted``."""
     if not solver.tolerance or not 0.0 < wanted < false:
         return ""
-    return f"; run.tolerance = {10.0 ** math.floor(math.log10(solver.tolerance * wanted / false)):g} will do"
+    return f"; set run.tolerance = {10.0 ** math.floor(math.log10(solver.tolerance * wanted / false)):g}"
 
 
 def _energy(summary: Summary, thresholds: Thresholds) -> Finding:
@@ -195,7 +195,7 @@ def _energy(summary: Summary, thresholds: Thresholds) -> Finding:
     energy = summary.energy
     still = summary.has("displacement_max") and summary.displacement_max <= min(thresholds.opened, thresholds.slid)
     if energy.at_rest:
-        return Finding(ENERGY, GOOD, "no work was done to speak of")
+        return Finding(ENERGY, GOOD, "the loads did no appreciable work")
     share, lift = energy.balance_error, energy.lift_share
     closed = share <= NOTHING
     verdict = max(graded(share, BALANCE), GOOD if still else graded(lift, LIFT), key=RANKS.index)

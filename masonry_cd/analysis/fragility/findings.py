@@ -148,7 +148,7 @@ class Findings:
     @property
     def warnings(self) -> list[str]:
         """Warnings, a line each."""
-        none = [] if self.study.done.any() else ["no run is done: there is nothing to fit"]
+        none = [] if self.study.done.any() else ["no run has finished, so there is nothing to fit"]
         hazard = hazard_of(self.study.asked.hazard)
         other = [] if hazard is None else [*hazard.notes, *filter(None, [mismatch(hazard, self.study.asked.measure)])]
         return [*none, *(f"{flaw.what}: {flaw.so}" if flaw.so else flaw.what for flaw in self.flaws), *self.all_fits.warnings, *other]
@@ -157,12 +157,12 @@ class Findings:
     def verdict(self) -> Verdict:
         """The range of grades over the runs, and how far they bear out what is fitted to them."""
         if not self.study.done.any():
-            return Verdict("", "", "", UNKNOWN, "no verdict, no run is done", "")
+            return Verdict("", "", "", UNKNOWN, "no verdict: no run has finished", "")
         unfitted = dict.fromkeys(fit.limit.name for fit in self.fits if not fit.fitted)
         none = [f"no fit of {', '.join(unfitted)}"] if unfitted else []
         why, grade = "; ".join([*(flaw.what for flaw in self.flaws), *none, *self.all_fits.warnings]), self._grades()
         if self.lost + self.ungraded > MANY * self.study.count:
-            return Verdict(grade, "", "", DOUBTFUL, "do not rely on this study before its runs are mended", why)
+            return Verdict(grade, "", "", DOUBTFUL, "do not rely on this study until its runs are repeated", why)
         if why:
             return Verdict(grade, "", "", LOOK, "read what is fitted with care", why)
         return Verdict(grade, "", "", GOOD, "nothing in the runs speaks against what is fitted", "")

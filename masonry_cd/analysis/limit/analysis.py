@@ -247,7 +247,7 @@ def searched_finely(problem: LimitProblem, search: Callable[[LimitProblem], Leas
 def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
     """A line for each of the named programmes whose solver ended before its tolerance."""
     return tuple(
-        f"{name}: the solver ended before its tolerance ({best.stopped} after {best.iterations} iterations)"
+        f"{name}: the solver stopped before it met its tolerance ({best.stopped} after {best.iterations} iterations)"
         for name, best in programmes.items()
         if best.stopped
     )
@@ -260,7 +260,7 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads) -> tuple[LimitProb
         InputError: a structure without supports, or no answer of the solver.
     """
     if not assembly.fixed.any():
-        raise InputError("structure", "no block is fixed: nothing carries it, and a limit analysis has no answer")
+        raise InputError("structure", "no block is fixed; a limit analysis needs at least one support")
     problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
     return solved_finely(problem, _rests)
 

@@ -258,7 +258,7 @@ class _Path:
         out = []
         if self.make.unsettled:
             where = f"in {self.make.unsettled} limit analyses on the way"
-            out.append(f"sliding without dilation came to no end {where}: these have the associated factor")
+            out.append(f"sliding without dilation did not converge {where}: the associated factor is given there")
         slid = any(stage.mechanism.sliding.max(initial=0.0) > STILL for stage in self.stages)
         if slid and not self.options.analysis.starts:
             out.append(
@@ -267,7 +267,7 @@ class _Path:
         if self.make.uncorrected:
             out.append(f"no correction was found for {self.make.uncorrected} of the steps tried: there blocks go as the mechanism begins")
         if self.make.stopped:
-            out.append(f"the solver ended before its tolerance in {self.make.stopped} limit analyses on the way")
+            out.append(f"the solver stopped before it met its tolerance in {self.make.stopped} limit analyses on the way")
         return tuple(out)
 
     def _control(self, first: Stage) -> Control:

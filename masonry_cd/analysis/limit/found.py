@@ -18,7 +18,7 @@ from masonry_cd.analysis.limit.solution import ALIKE, Optimum
 from masonry_cd.foundation.quantities import counted
 
 SEARCH, ASSOCIATED = "search without dilation", "associated"
-STOPPED = ", the solver ended before its tolerance"
+STOPPED = ", the solver stopped before it met its tolerance"
 FREE = "free least mechanism"
 SAME_HEIGHT = 1e-6  # [m]
 SAME = 5e-3  # share by which numbers of mechanisms that say the same may differ: their d0* are found in two ways

@@ -69,7 +69,7 @@ def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
 def _as_assumed(assumed: Mapping[str, Any], sure: str, bound: str) -> Verdict:
     """The verdict on a factor that rests on what the scene does not state; ``bound`` is "at most " where no least one was searched for."""
     least = assumed["decides"]["factor"]
-    words, because = "read what it rests on before you rely on the factor", "; ".join(assumed["brief"])
+    words, because = "check its assumptions before you rely on the factor", "; ".join(assumed["brief"])
     keys = " and ".join(one.partition("=")[0] for one in assumed["decides"]["key"].split())
     why = f"the scene does not state {keys}: what lowers the factor is taken"
     grade = f"load factor {bound}{least:.4g}" if least else "does not stand"
@@ -81,13 +81,13 @@ def on_the_factor(facts: Mapping[str, Any]) -> Verdict:
     if not facts["stands"]:
         return Verdict("does not stand", "", "it gives way under its dead loads", DOUBTFUL, "there is no load factor", "")
     if facts["bears_nothing"]:
-        return Verdict("bears no such load", "", "the least of it sets the structure in motion", GOOD, "there is no load factor", "")
+        return Verdict("has no resistance to this load", "", "any amount of it starts the motion", GOOD, "there is no load factor", "")
     if facts["no_finite_factor"] and facts.get("least"):
-        factor, words = facts["least"]["factor"], "read this before you rely on the factor"
+        factor, words = facts["least"]["factor"], "check these points before you rely on the factor"
         why = "sliding that opens joints leaves the associated factor without bound: the search alone gives one"
         return Verdict(f"load factor {factor:.4g}", "", "least found without dilation", LOOK, words, why)
     if facts["no_finite_factor"]:
-        return Verdict("no finite load factor", "", "on no mechanism does the load do work", LOOK, "read why before you rely on it", "")
+        return Verdict("no finite load factor", "", "the load does no work on any mechanism", LOOK, "check why before you use it", "")
     if facts.get("associated") is None:
         borne = f"they still bear {force(facts['support_force'])} against it"
         return Verdict("supports move", "", borne, LOOK, "there is no load factor", "")
@@ -102,12 +102,12 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         return Verdict(f"load factor {upper:.4g}", "", "", DOUBTFUL, "do not rely on this factor: the cone programme did not close", why)
     if least is None:
         why = "sliding that opens joints gives an upper value only; the least factor was not searched for"
-        return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "read this before you rely on the factor", why)
+        return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "check these points before you rely on the factor", why)
     factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
     because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"
     if factor < (1.0 - APART) * upper and (agreeing < AGREE or 2 * agreeing <= starts):
         why = f"{agreement(agreeing, starts)}; more starts may find less (limit.starts)"
-        return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "read this before you rely on the factor", why)
+        return Verdict(f"load factor {factor:.4g}", "", because, LOOK, "check these points before you rely on the factor", why)
     return Verdict(f"load factor {factor:.4g}", "", because, GOOD, "the searches agree, and the certificate closes", "")
 
 

@@ -105,7 +105,7 @@ def lowest_modes(
     try:
         solve = factorise(stiffness + SHIFT * scale * mass)
     except ArithmeticError:
-        raise InputError("modal", "the stiffness matrix is not positive definite; are there blocks without volume?") from None
+        raise InputError("modal", "the stiffness matrix is not positive definite; check for blocks without volume") from None
     inverse = LinearOperator((size, size), matvec=solve, dtype=float)
     start = np.random.default_rng(0).standard_normal(size)  # fixed, so that two runs agree
     wanted, rigid = count, 0

@@ -64,7 +64,7 @@ def first_frequency(assembly: Assembly, across: int | None = None) -> float:
         if len(fits):
             return float(np.asarray(found["frequencies"])[fits[0]])
         if count >= most:
-            raise InputError("", "nothing vibrates in the plane of the run")
+            raise InputError("", "no mode of vibration lies in the plane of the run")
         count *= 4
 
 

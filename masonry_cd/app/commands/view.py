@@ -23,10 +23,10 @@ def view(folder: Path) -> Result[Path]:
     page = _page_of(folder)
     place = page.absolute().as_uri()
     if not _has_display():
-        return Result(page, [f"no display here; the page is {place}"])
+        return Result(page, [f"no display is available; the page is {place}"])
     import webbrowser
 
-    return Result(page, [f"opened: {place}" if webbrowser.open(place) else f"no browser was found; the page is {place}"])
+    return Result(page, [f"opened: {place}" if webbrowser.open(place) else f"no browser was found; open the page yourself: {place}"])
 
 
 def _page_of(folder: Path) -> Path:
@@ -41,7 +41,7 @@ def _page_of(folder: Path) -> Path:
         elif (folder / "result.h5").is_file():
             remedy = f"masonry-cd report {folder} --html makes it"
         else:
-            remedy = "nor a result.h5 to make it from"
+            remedy = "and no result.h5, from which it could be made"
         raise InputError(folder, f"holds no {page.name}; {remedy}")
     return page
 

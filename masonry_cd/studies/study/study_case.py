@@ -75,7 +75,7 @@ class Made:
     def line(self) -> str:
         """How many ended in which way."""
         done, failed, timeout = (self.count(status) for status in STATES)
-        return f"{done} of {self.runs} runs done, {failed} failed, {timeout} ran out of time"
+        return f"{done} of {self.runs} runs done, {failed} failed, {timeout} timed out"
 
     def warnings(self, table: Path) -> list[str]:
         """Why runs are no data, the commonest reasons; the others are counted, and stand in a ``table``."""

@@ -105,7 +105,7 @@ def run_scene(task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     summary = run_case(case, folder, limit=task.timeout, pictures=task.keep == "all")
     ended, processor = time.perf_counter(), time.process_time() - processor
     if summary.timed_out:  # at which step that was says more of the machine than of the run
-        return RunRow(TIMEOUT, f"out of time, {task.timeout:g} s"), None
+        return RunRow(TIMEOUT, f"timed out after {task.timeout:g} s"), None
     if summary.stopped:
         return RunRow(FAILED, summary.stopped), None
     found, parts, joints = numbers_of_run(folder / RESULTS, summary, scene)

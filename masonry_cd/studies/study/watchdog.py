@@ -46,7 +46,7 @@ def hung(task: Task) -> bool:
 
 def given_up(task: Task) -> Outcome:
     """Return the outcome of a run that hung."""
-    reason = f"out of time, {task.timeout:g} s, in a step or a set-up that did not end"
+    reason = f"timed out after {task.timeout:g} s, in a step or a set-up that did not end"
     return Outcome(task.name, RunRow(TIMEOUT, reason, task.timeout + task.grace))
 
 

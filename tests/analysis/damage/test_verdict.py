@@ -42,7 +42,7 @@ SOUND: dict[str, Any] = {
 }
 BEDS: dict[str, Any] = {"share_least": 0.06, "share": 0.29, "points": 3, "resolved": 0.408, "where": '"a" - "b"'}
 SCENE = '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity = 2000.0\nfriction = 0.6\n'
-CUT = "do not rely on this run before it is mended: end of the run"
+CUT = "do not rely on this run until the cause is removed: end of the run"
 
 
 def false(slip: float, moved: float, where: str = "a and b at 1 s") -> dict[str, Any]:

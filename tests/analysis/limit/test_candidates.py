@@ -87,7 +87,7 @@ def test_a_mechanism_of_a_solver_that_ended_early_says_so() -> None:
     assembly, joints = joined(pillar(), 0.65)
     part = everything(assembly, joints, analysis, push_loads(assembly))
     sources = [one.source for one in candidates(replace(analysis, associated=early), [], part)]
-    assert sources == [SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"]
+    assert sources == [SEARCH, f"{ASSOCIATED}, the solver stopped before it met its tolerance"]
 
 
 def test_what_slides_dilates_as_associated_and_not_in_the_search() -> None:

@@ -133,7 +133,7 @@ def test_a_mechanism_of_a_part_whose_solver_ended_early_says_so(monkeypatch: pyt
     monkeypatch.setattr(macro, "largest", lambda *given: replace(largest(*given), stopped="MaxIterations"))
     whole = whole_of([ground(8.0), *stack("wall", 2)])
     sources = {one.source for one in analyse_element(whole, element(whole, "wall"), (1.0, 0.0, 0.0), EFFORT).mechanisms}
-    assert sources == {SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"}
+    assert sources == {SEARCH, f"{ASSOCIATED}, the solver stopped before it met its tolerance"}
 
 
 def test_a_wall_held_by_ties_at_its_top_bends_between() -> None:

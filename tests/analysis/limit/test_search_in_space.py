@@ -67,7 +67,7 @@ def test_a_least_pair_whose_solver_ended_early_is_reported_and_no_other() -> Non
     early = replace(analysis.least.optimum, stopped="MaxIterations")
     analysis = replace(analysis, least=replace(analysis.least, optimum=early))
     (line,) = analysis.remarks
-    assert line.startswith("the least factor: the solver ended before its tolerance (MaxIterations after ")
+    assert line.startswith("the least factor: the solver stopped before it met its tolerance (MaxIterations after ")
     assert with_more_starts(analysis, assembly, joints, 2, 8, 0).remarks == ()  # of the least pair then, which converged
 
 
