@@ -242,7 +242,7 @@ def push_line(push: Push) -> str:
 
 
 def push_warnings(pushes: Iterable[Push]) -> list[str]:
-    """Pushes whose force is inertia by more than is meant."""
+    """Pushes whose force is inertia by more than is intended."""
     return [
         f'push "{push.name}": inertia is up to {100.0 * push.inertia_share:.2g} % of the force recorded, above {100.0 * MEANT:g} %: '
         "a smaller speed, or damping where joints swing, makes it less"

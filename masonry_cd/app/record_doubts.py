@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records of a scene that likely act along another axis, twice, or at another size than is meant.
+"""Records of a scene that likely act along another axis, twice, or at another size than intended.
 
 Which way a channel points is known by its name (:mod:`loads.readers.orientation`). Components that act at the same time along one line
 add up, which those of one station do not do. A record is in m/s2 as soon as it is read, so a scale that is the ratio of two units is

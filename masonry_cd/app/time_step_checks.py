@@ -95,14 +95,14 @@ def restless(results: Results, pauses: Sequence[Pause], gravity: float, step: fl
     resolved = resolved_speed(tolerance, gravity, step, float(contacts.mean()))
     return [
         f'the rest after "{pause.after}" took its whole length: still = {pause.speed:g} m/s asks for less than the {resolved:.2g} m/s that '
-        f"a tolerance of {tolerance:g} resolves for sure"
+        f"a tolerance of {tolerance:g} reliably resolves"
         for pause in pauses
         if pause.speed < resolved and np.any(load_steps == pause.last)  # a rest that ends early jumps over its last step
     ]
 
 
 def resolved_speed(tolerance: float, gravity: float, step: float, contacts: float) -> float:
-    """The speed that a step's tolerance resolves for sure, see the head of this file [m/s]."""
+    """The speed that a step's tolerance reliably resolves, see the head of this file [m/s]."""
     return tolerance * gravity * step * math.sqrt(contacts)
 
 

@@ -217,7 +217,7 @@ def number_in(text: str, unit: str) -> float:
 
 
 def begins_as_number(text: str) -> bool:
-    """Return True if a text is meant to be a number with a unit."""
+    """Return True if a text is intended to be a number with a unit."""
     return bool(re.match(r"\s*[+-]?[.,]?\d", text))
 
 

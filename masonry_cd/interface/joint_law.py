@@ -114,7 +114,7 @@ class BoundLaw(Pushing):
         omega = float(np.sqrt(2.0 * total[~assembly.fixed].max(initial=0.0)))
         if omega * longest > 2.0:
             raise InputError(
-                "law", f"run.dt {longest:g} s is too long for a stiffness of {self._law.stiffness:g} Pa/m; {2.0 / omega:.2g} s will do"
+                "law", f"run.dt {longest:g} s is too long for a stiffness of {self._law.stiffness:g} Pa/m; use at most {2.0 / omega:.2g} s"
             )
 
     def pushes(self, now: Now) -> Pushes:

@@ -48,7 +48,7 @@ class Deck:
         return len(self.support_velocity) - 1
 
     def group_of(self, b: int) -> str:
-        """The group of a block; supports of a group that move in several ways are told apart by a number behind it."""
+        """The group of a block; supports of a group that move in several ways get a number behind it."""
         a = self.assembly
         group, motion = a.blocks[b].group, int(a.support_of[b])
         ways = sorted({int(a.support_of[i]) for i in range(a.count) if a.blocks[i].group == group and a.fixed[i]})

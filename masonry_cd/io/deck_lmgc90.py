@@ -130,7 +130,7 @@ def _driven(deck: Deck) -> Iterator[str]:
 
 def _command(deck: Deck) -> str:
     """A script of pylmgc90 that makes the steps of the run."""
-    return f'''"""Runs the deck beside it with LMGC90: python command.py"""
+    return f'''"""Runs the deck next to it with LMGC90: python command.py"""
 
 from pylmgc90 import chipy
 

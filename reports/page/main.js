@@ -62,7 +62,7 @@ function tiePlace(tie) {
   return ends[0].map((v, k) => (v + ends[1][k]) / 2);
 }
 
-/* The tension of each tie at a frame beside it, of those that pull; where there is no room for all, of those that pull most. */
+/* The tension of each tie next to it, at a frame, of those that pull; where there is no room for all, of those that pull most. */
 function labelTies(frame) {
   const wide = by("stage").clientWidth, high = by("stage").clientHeight, shown = [], ties = data.tie_tension ? data.tie_tension.length / motion.frames : 0;
   const pull = (tie) => data.tie_tension[tie * motion.frames + frame];

@@ -1,7 +1,7 @@
 /*
 Shaders. A point X of a block at rest is drawn at
 
-    X + f (R (X - c) + c + u - X),    R, u the block's rotation and displacement, c its centre, f the factor stated beside the model,
+    X + f (R (X - c) + c + u - X),    R, u the block's rotation and displacement, c its centre, f the factor stated next to the model,
 
 and one that is not there as its centre; all blocks in one call: their poses and colours lie in textures. The bands of the joints are those of the crack map (bands.py): four
 corners per side of an interface polygon, of a least width in pixels, dashed where the joint has slid.

@@ -69,7 +69,7 @@ class Table {
     this.refresh();
   }
 
-  /* Filters and sorts anew, from the first row. */
+  /* Filters and sorts again, from the first row. */
   refresh() {
     const [state, search] = this.wanted(), { name, down } = this.sorted;
     const kept = (j) => state === "all" || (state === "damaged" ? this.data.state[j] > 0 : this.data.state[j] === Number(state));

@@ -31,7 +31,7 @@ class Interfaces:
     """P points of J joints; m directions: normal and one tangent in a plane, normal and two tangents in space."""
 
     joint: np.ndarray  # (P,)
-    bodies: np.ndarray  # (P, 2) blocks a and b of the joint; a force on b is meant
+    bodies: np.ndarray  # (P, 2) blocks a and b of the joint; the force acts on b
     point: np.ndarray  # (P, 3) world frame [m]
     frame: np.ndarray  # (P, m, 3) rows n (from a to b), t or t1, t2
     mu: np.ndarray  # (P,)

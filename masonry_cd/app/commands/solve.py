@@ -79,7 +79,7 @@ def solve(
 
 def load_kernels(solver: str, problem: Problem) -> None:
     """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
-    if isinstance(problem, LocalProblem):  # any will do, and factorising a large one takes long
+    if isinstance(problem, LocalProblem):  # any method serves, and factorising a large one takes long
         m = problem.dimension
         problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
     for name in SOLVERS if solver == "auto" else (solver,):
