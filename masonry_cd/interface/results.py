@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.crack_pattern import VISIBLE, CrackAgreement, Polyline, agreement, cracked, joint_lines
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
@@ -218,6 +220,23 @@ class Run(RunExports, RunStress):
                 raise InputError("joint_history", f"the run has written no {measure}")
             values = found.joint_history(measure)
         return frame_of(dict(enumerate(values.T)), self.time, "time", unit=MEASURES[measure])
+
+    def crack_agreement(
+        self, drawn: Sequence[Polyline], within: float, along: Sequence[float] = (1.0, 0.0, 0.0), width: float = VISIBLE
+    ) -> CrackAgreement:
+        """How far the cracks at the end of the run agree with a crack map drawn of the real wall: shares of length found and false.
+
+        Args:
+            drawn: polylines of the map [m], of points (place along the elevation, height).
+            within: largest distance of one crack from the other [m], at most the size of a stone.
+            along: (3,) level direction of the elevation.
+            width: least opening or sliding of a crack [m].
+
+        Raises:
+            InputError: no line, or a distance that is not above zero.
+        """
+        with self.results() as found:
+            return agreement(joint_lines(found, along)[cracked(found, width)], drawn, within)
 
     def force_displacement(self, push: str | None = None) -> DataFrame:
         """The force of a push by displacement: a row per step, by the time at its end, as in force_displacement.csv.
