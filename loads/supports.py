@@ -104,15 +104,17 @@ def structure(grid: RunGrid, where: str) -> Assembly:
 
 
 def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
-    """Mask (B,) of the blocks named: each name is a block, a group, or a pattern with ``*``.
+    """Mask (B,) of the blocks named: each name is a block, a group, a stone that is in pieces, or a pattern with ``*``.
 
     Raises:
         InputError: a name that fits nothing.
     """
     mask = np.zeros(assembly.count, dtype=bool)
     groups = np.array(assembly.groups)[assembly.group_of]
+    stones = [block.stone for block in assembly.blocks]
     for name in names:
-        of_either = (fnmatchcase(block, name) or fnmatchcase(group, name) for block, group in zip(assembly.names, groups, strict=True))
+        of_any = zip(assembly.names, groups, stones, strict=True)
+        of_either = (any(fnmatchcase(one, name) for one in each) for each in of_any)
         found = np.fromiter(of_either, dtype=bool, count=assembly.count)
         if not found.any():
             known = [*assembly.groups, *assembly.names]

@@ -34,8 +34,7 @@ def beds(assembly: Assembly, results: Results) -> Beds | None:
     by_points = np.flatnonzero((stiffness > 0.0) & ~_meshed(assembly)[np.stack([joints.block_a, joints.block_b])].any(axis=0))
     if not len(by_points):
         return None
-    group = assembly.group_of
-    points = law.points[group[joints.block_a], group[joints.block_b]][by_points].astype(int)
+    points = law.points[assembly.rows(joints.block_a, joints.block_b)][by_points].astype(int)
     resolved = np.array([resolved_share(n) for n in range(3, MOST + 1, 2)])[(points - 3) // 2]
     opening, force = (results.joint_history(name)[:, by_points] for name in ("opening", "normal_force"))
     share = touching_share(force, stiffness[by_points] * joints.area[by_points] * opening)

@@ -167,7 +167,7 @@ def on_ground(scene: Scene, structure: Structure) -> Structure:
 
 
 def make_structures(scene: Scene) -> Made:
-    """Make the structures of a scene.
+    """Make the structures of a scene, with its stones in pieces where they crack.
 
     Raises:
         InputError: with file and line of the scene where a key is at fault.
@@ -176,10 +176,17 @@ def make_structures(scene: Scene) -> Made:
 
     with scene.locating(), _doubted(scene):
         if not scene.structures:
-            return structures.make(scene.structure, scene.material.block_density, scene.folder)
-        from structures import site
+            made = structures.make(scene.structure, scene.material.block_density, scene.folder)
+        else:
+            from structures import site
 
-        return site.build(scene.structures, scene.material.block_density, scene.folder)
+            made = site.build(scene.structures, scene.material.block_density, scene.folder)
+    if not scene.material.stones and not any(block.stone for block in made.blocks):
+        return made
+    from structures.layout.pieces import in_pieces
+
+    with scene.locating():
+        return in_pieces(made, scene.material.stones)
 
 
 @contextmanager

@@ -27,8 +27,7 @@ from masonry_cd.mechanics.dynamics.stage import Stage, enter
 from masonry_cd.mechanics.dynamics.system import Loads
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.by_group import by_pair
-from masonry_cd.mechanics.model.joint_laws import joint_table
-from masonry_cd.mechanics.model.joint_laws.friction import Friction, friction_table
+from masonry_cd.mechanics.model.joint_laws.friction import Friction
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.materials import Material
 
@@ -208,8 +207,8 @@ def _keep_footings(chosen: np.ndarray, assembly: Assembly, where: str) -> None:
 
 def _with_laws(assembly: Assembly, material: Material) -> Assembly:
     """The blocks with other friction and joint laws of the same kinds."""
-    before, friction = assembly.laws, friction_table(material.friction, assembly.groups)
-    laws = joint_table(material.joint_laws, assembly.groups, friction, material.joint_moduli)
+    before, changed = assembly.laws, assembly.with_laws(material)
+    laws = changed.laws
     laws = replace(laws, retardation=np.where(laws.at_first_period > 0.0, before.retardation, laws.retardation))
     if not _of_one_kind(before, laws):
         raise InputError(
@@ -217,7 +216,7 @@ def _with_laws(assembly: Assembly, material: Material) -> Assembly:
             "makes joints of another kind: those that are rigid, elastic or bonded, can soften or crush or have more points, stay so; "
             "cut breaks bonds, and a stiffness of 1e12 N/m3 is as good as rigid",
         )
-    return replace(assembly, friction=friction, laws=laws)
+    return replace(changed, laws=laws)
 
 
 def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
@@ -243,7 +242,7 @@ def _bonds(change: Change, assembly: Assembly, where: str) -> np.ndarray:
     Raises:
         InputError: a pair without bonds.
     """
-    out = np.zeros((len(assembly.groups), len(assembly.groups)), dtype=bool)
+    out = np.zeros(assembly.friction.shape, dtype=bool)
     for pair in change.cut or ():
         pairs = [(i, j) for i, j, _ in by_pair({pair: True}, assembly.groups, f"{where}.cut")]
         if not any(assembly.laws.apex[i, j] > 0.0 for i, j in pairs):

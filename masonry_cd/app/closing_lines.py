@@ -50,6 +50,7 @@ def closing_lines(s: Summary) -> list[str]:
         *_acted_lines(s),
         *(part_lines(s.parts) if s.parts else []),
         *([f"bonds: {s.joints_broken} of {s.joints_bonded} bonded joints broke"] if s.joints_bonded else []),
+        *([f"stones: {s.cracked_stones} of {s.stones} cracked"] if s.stones else []),
         *crushed_lines(s),
         *([] if s.stress is None else stress_lines(s.stress)),
         f"contacts: {s.contacts_mean:.0f} on average, {s.contacts_max} at most{', solved in their plane' if s.planar else ''}; "

@@ -24,6 +24,8 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...], fills: Sequence[F
     group.create_dataset("group", data=[b.group for b in blocks], dtype=text)
     if any(b.structure for b in blocks):
         group.create_dataset("structure", data=[b.structure for b in blocks], dtype=text)
+    if any(b.stone for b in blocks):
+        group.create_dataset("stone", data=[b.stone for b in blocks], dtype=text)
     group["fixed"] = np.array([b.fixed for b in blocks])
     if any(b.radius for b in blocks):
         group["radius"] = np.array([b.radius for b in blocks])
@@ -48,6 +50,7 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
     """Read back what :func:`write_blocks` wrote."""
     names, groups = group["name"].asstr()[...], group["group"].asstr()[...]
     structures = group["structure"].asstr()[...] if "structure" in group else [""] * len(names)
+    stones = group["stone"].asstr()[...] if "stone" in group else [""] * len(names)
     radii = group["radius"][...] if "radius" in group else np.zeros(len(names))
     arrays = {name: group[name][...] for name in ("fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")}
     carried = _carried(group, len(names))
@@ -61,7 +64,7 @@ def read_blocks(group: h5py.Group) -> Iterator[Block]:
         faces = tuple(tuple(arrays["loops"][arrays["loop_start"][f] : arrays["loop_start"][f + 1]].tolist()) for f in loops)
         yield Block(
             name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i],
-            carried=carried[i],
+            carried=carried[i], stone=stones[i],
         )  # fmt: skip
 
 

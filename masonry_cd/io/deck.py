@@ -39,6 +39,8 @@ class Deck:
             if block.radius or block.carried is not None:
                 what = "is a sphere; decks have polyhedra" if block.radius else "carries fill, of which decks know nothing"
                 raise InputError("--format", f'block "{block.name}" {what}')
+        if self.assembly.planes is not None:
+            raise InputError("--format", "decks have stones that do not break, and those of this scene crack (material.stones)")
         if self.assembly.deformation is not None:
             raise InputError("--format", "decks have rigid blocks, and those of this scene deform (material.deformable)")
 

@@ -72,6 +72,7 @@ DATASETS = (
     Dataset("joints/polygon_start", ("J+1",), WHOLE, "", "where the corners of each joint begin"),
     Dataset("joints/polygon", ("points", 3), REAL, "m", "corners of the joints at rest"),
     Dataset("blocks/structure", ("B",), TEXT, "", "the structure that the block belongs to", "a scene has several"),
+    Dataset("blocks/stone", ("B",), TEXT, "", "the stone that the block is a piece of; empty of a whole one", "stones crack"),
     Dataset("blocks/support", (1,), WHOLE, "", "block to which displacements are relative, -1 without one", NEWER),
     Dataset("blocks/radius", ("B",), REAL, "m", "of spheres, 0 of polyhedra", "there are spheres"),
     Dataset("blocks/carried_mass", ("B",), REAL, "kg", "that the block carries", FILL),

@@ -117,6 +117,9 @@ class Summary(JointCounts, Heading):
     events: tuple[Event, ...] = ()
     joints_bonded: Annotated[Count, "joints that were bonded at the start"] = 0
     joints_broken: Annotated[Count, "those of them whose bond broke, all over or in part"] = 0
+    stones: Annotated[Count, "stones that can crack along planes within them"] = 0
+    cracked_stones: Annotated[Count, "those of them that are cracked at the end"] = 0
+    cracked_stone_names: Annotated[tuple[str, ...], "their names"] = ()
     joints_crushed: Annotated[Count, "joints that are shorter for good"] = 0
     crushed_max: Annotated[Metres, "largest such shortening"] = 0.0
     crushed_where: Annotated[str, "its blocks"] = ""

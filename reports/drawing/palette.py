@@ -21,6 +21,7 @@ STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 SUPPORT, EDGE = "#a9adb0", "#4a4640"
 FILL = "#8f7a5c"  # of a bridge, darker than stones
 OPENED, SLID = "#225ea8", "#d7301f"  # the states of a joint, next to PARTED
+CRACKED = "#1a7f37"  # of a crack within a stone
 CRUSHED = "#c51b7d"  # of a joint that is shorter for good, unlike these, ties and forces
 # of groups: light enough for black edges, apart in hue and in grey; supports are always the grey one
 GROUPS = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")

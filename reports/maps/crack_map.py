@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""The crack map: the structure as it stands at a frame, its joints coloured by what is left open and what has slid.
 
-An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where
-both happened the dashes lie on the band; the dashes of a joint that was crushed are magenta. So a colour-blind reader can distinguish
-them, and so can one of a grey print. The classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds
-give equal colours, and the maps of two runs can be laid side by side; what opened less, a hairline of under 0.1 mm by default, is no
-crack. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale, displacements relative to the base
-are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale shadow. A cut takes away what lies before
-a plane (:mod:`reports.drawing.cut`); the forces are drawn on request (:mod:`reports.maps.thrust`).
+An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where both
+happened the dashes lie on the band; the dashes of a joint that was crushed are magenta. So a colour-blind reader can distinguish them,
+and so can one of a grey print. Cracks within stones are green. The classes of both scales run 1-2-5 from the threshold of damage to
+``largest``: equal thresholds give equal colours, and the maps of two runs can be laid side by side; what opened less, a hairline of under
+0.1 mm by default, is no crack. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
+displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale shadow.
+A cut takes away what lies before a plane (:mod:`reports.drawing.cut`); the forces are drawn on request (:mod:`reports.maps.thrust`).
 
 The maps of one :class:`Framing` share view, amplification, window and colours: what changes between them is damage.
 """
@@ -21,6 +21,7 @@ import numpy as np
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.damage.stones import cracked
 from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.layout import CRUSHED
@@ -50,6 +51,7 @@ class Subject:
     solids: Solids
     snapshot: DamageSnapshot
     crushed: np.ndarray  # (J,) bool: shorter for good, of those on blocks that stand
+    cracked: np.ndarray  # (J,) bool: planes within stones that are cracked, likewise
     last: bool  # the last frame
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
     ties: Ties
@@ -73,6 +75,7 @@ class Subject:
             solids=solids,
             snapshot=snapshot,
             crushed=crushed,
+            cracked=snapshot.live & ~snapshot.separated & cracked(results, frame),
             last=last,
             drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
             ties=ties_at(results, solids, snapshot.pose, framed.factor),
@@ -123,9 +126,10 @@ class Subject:
         second = np.where(~slid, opening, np.where(opened, sliding, 255))
         first = np.where((self.crushed & ~snapshot.open & ~snapshot.slid)[:, None], 255, first)
         second = np.where(self.crushed[:, None], painted(palette.CRUSHED, 1), second)
+        first, second = (np.where(self.cracked[:, None], painted(palette.CRACKED, 1), colour) for colour in (first, second))
         return replace(
             joints,
-            shown=snapshot.open | snapshot.slid | self.crushed,
+            shown=snapshot.open | snapshot.slid | self.crushed | self.cracked,
             colours=(first.astype(np.uint8), second.astype(np.uint8)),
             parted=snapshot.separated & ~snapshot.down[joints.blocks],
             plate=painted(palette.PARTED, 1)[0],
@@ -190,13 +194,16 @@ def _scales(subject: Subject) -> list[Panel]:
 def _signs(subject: Subject) -> list[Sign]:
     """The signs with their numbers; a map that stands alone names only what it shows."""
     snapshot, alone, (opening, sliding) = subject.snapshot, subject.framed.alone, subject.framed.scales
-    both = snapshot.open & snapshot.slid
+    opened, slid = snapshot.open & ~subject.cracked, snapshot.slid & ~subject.cracked
+    both = opened & slid
     joints = [
-        Sign("band", f"joint open ({int((snapshot.open & ~both).sum())})", (opening.middle,)),
-        Sign("band", f"joint slid ({int((snapshot.slid & ~both).sum())})", (sliding.middle, "#ffffff")),
+        Sign("band", f"joint open ({int((opened & ~both).sum())})", (opening.middle,)),
+        Sign("band", f"joint slid ({int((slid & ~both).sum())})", (sliding.middle, "#ffffff")),
         Sign("band", f"open and slid ({int(both.sum())})", (opening.middle, sliding.middle)),
         Sign("band", f"separated ({int(snapshot.separated.sum())})", (palette.PARTED,)),
     ]
+    if stones := int(subject.cracked.sum()):
+        joints.append(Sign("band", f"crack in a stone ({stones})", (palette.CRACKED,)))
     if crushed := int(subject.crushed.sum()):
         joints.append(Sign("band", f"crushed ({crushed})", ("#ffffff", palette.CRUSHED)))
     rows, down, window, solids = joints if subject.joints.count else [], int(snapshot.down.sum()), subject.framed.shown, subject.solids

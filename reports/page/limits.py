@@ -17,6 +17,7 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.joint_laws import law_in_words
 from masonry_cd.mechanics.model.joint_laws.friction import LISTED, friction_in_words
 from masonry_cd.mechanics.model.materials import Material
+from masonry_cd.mechanics.model.stones import stones_in_words
 from reports.drawing.figure import in_metres
 from reports.page.document import Badge
 from reports.page.section import Section
@@ -80,7 +81,7 @@ def _blocks(context: PageContext, material: Material | None) -> str:
     return (
         f"The {len(free)} blocks that are free to move are {_kind(context, material)}, of uniform density ({density} kg/m³); "
         "they touch, slide, rock and part only at their faces. Cracks run through joints alone, along the division into blocks that the "
-        "scene makes."
+        f"scene makes{', and planes laid through stones' if any(block.stone for block in free) else ''}."
     )
 
 
@@ -103,16 +104,16 @@ def _kind(context: PageContext, material: Material | None) -> str:
 
 def _joints(material: Material) -> list[str]:
     """Dry joints, or the mortar of each pair of groups."""
-    laws, otherwise = material.joint_laws, _otherwise(material)
+    laws, otherwise, stones = material.joint_laws, _otherwise(material), stones_in_words(material.stones)
     dry = f"are {otherwise} and dry: they bear no tension, pass on any pressure, and have no cohesion."
     if not laws:
-        return [f"Joints {dry}"]
+        return [f"Joints {dry}", *stones]
     named = [(pair, law) for pair, law in laws.items() if pair != "default"][:LISTED]
     lines = [f"Joints of {pair}: {law_in_words(law, otherwise)}." for pair, law in named]
     if "default" in laws:
         others = "Joints" if len(laws) == 1 else "All other joints"
-        return [*lines, f"{others}: {law_in_words(laws['default'], otherwise)}."]
-    return [*lines, f"All other joints {dry}"]
+        return [*lines, f"{others}: {law_in_words(laws['default'], otherwise)}.", *stones]
+    return [*lines, f"All other joints {dry}", *stones]
 
 
 def _otherwise(material: Material) -> str:

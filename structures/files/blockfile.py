@@ -6,7 +6,8 @@
 
 Faces are zero-based loops of vertices, counter-clockwise seen from outside. A block that is not convex lists the convex parts that
 fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. A sphere has ``"centre": [x, y, z]`` and
-``"radius": r`` instead of vertices and faces. Name, density, group and units have defaults:
+``"radius": r`` instead of vertices and faces. Blocks with the same ``"stone"`` are pieces of it, which
+crack from each other by ``material.stones``. Name, density, group and units have defaults:
 b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. ``"fills"`` and ``"carried"`` are the
 fill of bridges (:mod:`structures.files.fillfile`). Other keys at the top level are left alone, so that a program may keep its own notes
 in the same file.
@@ -63,6 +64,7 @@ class _Keys(BaseModel):
     density: Annotated[float, Unit("kg/m3"), Field(gt=0, allow_inf_nan=False)] | None = None
     fixed: bool = False
     group: str | None = Field(None, min_length=1)
+    stone: str = ""
 
 
 class Entry(_Keys):
@@ -143,6 +145,7 @@ def write(path: Path, blocks: Sequence[Block], fills: Sequence[Fill] = ()) -> No
             **({} if math.isnan(block.density) else {"density": block.density}),
             "fixed": block.fixed,
             "group": block.group,
+            **({"stone": block.stone} if block.stone else {}),
         }
         if block.parts:
             entry["parts"] = [{"vertices": p.vertices.tolist(), "faces": [list(face) for face in p.faces]} for p in block.parts]
@@ -189,6 +192,7 @@ def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
         "density": _density(parsed, density),
         "group": parsed.group or ("base" if parsed.fixed else "block"),
         "fixed": parsed.fixed,
+        "stone": parsed.stone,
     }
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
+from masonry_cd.analysis.damage.stones import has_stones, stone_of_joints
 from masonry_cd.analysis.deformed import Pose, base_at, joint_frame, smallest_gap, solids_of
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.layout import BONDED, CRUSHED, LAW_HISTORIES
@@ -43,7 +44,7 @@ class JointDamage:
     first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
     state: np.ndarray  # (J,) one of STATES
     both: np.ndarray  # (J,) opened and slid, and not separated
-    of_laws: dict[str, np.ndarray]  # (J,) what the run has recorded of the laws of joints, by name, at the end
+    of_laws: dict[str, np.ndarray]  # (J,) what the run has recorded of the laws of joints, by name, at the end; and whose stone it cracks
 
 
 def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
@@ -75,7 +76,8 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
         first_opening_time=peaks["first_opening_time"],
         state=np.array(STATES, dtype=object)[codes],
         both=is_open(largest_opening, thresholds) & is_slid(largest_sliding, thresholds) & ~separated,
-        of_laws={name: joint_frame(results, name, frame) for name in LAW_HISTORIES if results.has_joint_history(name)},
+        of_laws={name: joint_frame(results, name, frame) for name in LAW_HISTORIES if results.has_joint_history(name)}
+        | ({"stone": stone_of_joints(results)} if has_stones(results) else {}),
     )
 
 

@@ -67,15 +67,15 @@ def interfaces(assembly: Assembly, joints: Joints, axis: int | None) -> Interfac
     joint = np.concatenate(owner) if owner else np.zeros(0, dtype=np.int64)
     share = np.concatenate(shares) if shares else np.zeros(0)
     bodies = np.stack([joints.block_a[joint], joints.block_b[joint]], axis=1)
-    groups = assembly.group_of[bodies]
+    rows = assembly.rows(*bodies.T)
     return Interfaces(
         joint=joint,
         bodies=bodies,
         point=np.concatenate(places) if places else np.zeros((0, 3)),
         frame=_frames(joints.normal, axis)[joint],
-        mu=assembly.friction[groups[:, 0], groups[:, 1]],
-        apex=share * laws.apex[groups[:, 0], groups[:, 1]],
-        tension=share * laws.tension[groups[:, 0], groups[:, 1]],
+        mu=assembly.friction[rows],
+        apex=share * laws.apex[rows],
+        tension=share * laws.tension[rows],
     )
 
 

@@ -140,8 +140,7 @@ def _friction(part: FreedPart, owner: np.ndarray, count: int) -> np.ndarray:
     out = np.full((count, count), np.inf)
     ends = np.stack([owner[joints.block_a], owner[joints.block_b]], axis=1)
     some = (ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1])
-    groups = assembly.group_of[np.stack([joints.block_a, joints.block_b], axis=1)[some]]
-    mu = assembly.friction[groups[:, 0], groups[:, 1]]
+    mu = assembly.friction[assembly.rows(joints.block_a[some], joints.block_b[some])]
     for a, b in ((0, 1), (1, 0)):
         np.minimum.at(out, (ends[some][:, a], ends[some][:, b]), mu)
     return np.where(np.isfinite(out), out, float(assembly.friction.min()))

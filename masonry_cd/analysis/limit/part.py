@@ -194,7 +194,7 @@ def _held_above(whole: Whole, above: np.ndarray, live: np.ndarray, direction: np
             continue
         blocks.append((lower, upper))
         points.append((place, place - direction))
-        strength.append(INTERLOCK * float(assembly.friction[groups[0], groups[1]]) * weight)
+        strength.append(INTERLOCK * float(assembly.friction[assembly.rows(lower, upper)]) * weight)
     heavy = np.array([each[2] for each in loaded])[:, None]
     floors = Arms(
         np.array([each[0] for each in loaded], dtype=np.int64), np.array([each[1] for each in loaded]).reshape(-1, 3),

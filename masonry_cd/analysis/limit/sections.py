@@ -161,9 +161,8 @@ class Sections:
 
 def sections(assembly: Assembly, joints: Joints, points: Interfaces, axis: int | None) -> Sections | None:
     """The sections of the joints with points that have a compressive strength, None of none; ``axis`` as of :func:`interfaces`."""
-    groups = assembly.group_of[np.stack([joints.block_a, joints.block_b], axis=1)]
-    strength = assembly.laws.crushing[groups[:, 0], groups[:, 1]]
-    tension = assembly.laws.tension[groups[:, 0], groups[:, 1]]
+    rows = assembly.rows(joints.block_a, joints.block_b)
+    strength, tension = assembly.laws.crushing[rows], assembly.laws.tension[rows]
     first = np.full(joints.count, -1)
     first[points.joint[::-1]] = np.arange(points.count)[::-1]
     chosen = np.flatnonzero((strength > 0.0) & (first >= 0))

@@ -24,6 +24,7 @@ from masonry_cd.analysis.damage.joint_damage import (
 )
 from masonry_cd.analysis.damage.macro_elements import can_be_graded
 from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.damage.stones import cracked_stones
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.deformed import Solids, base_at, solids_of
 from masonry_cd.analysis.outputs import SUMMARY, values_in
@@ -123,6 +124,7 @@ def damage_numbers(run: Measured, end: EndState) -> Summary:
         | checks.as_summary(_whole(run) if checks.reliable else None)
         | (Summary(shocks=shock_rows(results, thresholds)) if results.shocks else Summary())
         | bonds(results)
+        | cracked_stones(results)
         | crushing(results)
     )
 

@@ -61,7 +61,7 @@ class Detector:
     ) -> None:
         shapes = assembly.shapes
         self._shapes = shapes
-        self._part_group = assembly.group_of[shapes.part_block]
+        self._rows = assembly.rows  # of the tables of laws, for pairs of blocks
         self._law_by_area = assembly.laws.by_area & (not corners_only)
         rings = assembly.laws.points.astype(np.int64) // 2
         self._rings_of_law = np.where(assembly.laws.elastic & (not corners_only), rings, 1)  # (G, G)
@@ -245,12 +245,12 @@ class Detector:
     def _remember(self, memory: PairMemory) -> None:
         """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""
         self._memory = memory
-        first, second = self._part_group[memory.parts].T
+        rows = self._rows(*self._shapes.part_block[memory.parts].T)
         round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
-        self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
+        self._kind = np.where(self._law_by_area[rows], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
         self._kind[round_pair] = ROUND_PAIR
         memory.rings[:], memory.light[:] = self._rings(memory.parts), self._light(memory.parts)
-        self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
+        self._arm = self._rolling[rows] * effective_radius(*self._shapes.rounding[memory.parts].T)
         self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
@@ -259,17 +259,17 @@ class Detector:
 
     def _rings(self, pairs: np.ndarray) -> np.ndarray:
         """Rings of points that joints of pairs of parts (P, 2) have where they open, (P,)."""
-        first, second = self._part_group[pairs].T
-        return np.where(self._facets[pairs].any(axis=1), 1, self._rings_of_law[first, second])
+        return np.where(self._facets[pairs].any(axis=1), 1, self._rings_of_law[self._rows(*self._shapes.part_block[pairs].T)])
 
     def _light(self, pairs: np.ndarray) -> np.ndarray:
         """Overlap times area [m3] of joints between pairs of parts (P, 2) that carry LIGHT of the weight of the lighter block, (P,)."""
-        first, second = self._part_group[pairs].T
-        blocks, stiffness = self._shapes.part_block[pairs], self._normal_stiffness[first, second]
+        blocks = self._shapes.part_block[pairs]
+        rows = self._rows(*blocks.T)
+        stiffness = self._normal_stiffness[rows]
         if self._stiffness_of is not None:
             stiffness = np.where(stiffness > 0.0, stiffness, self._stiffness_of(pairs, blocks)[:, 0])
         light = np.divide(LIGHT * self._weight[blocks].min(axis=1), stiffness, out=np.zeros(len(pairs)), where=stiffness > 0.0)
-        return np.where(self._crushes[first, second], CRUSHES, light)
+        return np.where(self._crushes[rows], CRUSHES, light)
 
 
 def more_points(facets: Any) -> Any:

@@ -17,6 +17,8 @@ class BlockArrays(NamedTuple):
     free_index: np.ndarray  # (B,) place among the free blocks; -1: a support
     support_of: np.ndarray  # (B,) prescribed motion of a support; -1: a free block
     group_of: np.ndarray  # (B,)
+    stone: np.ndarray  # (B,) number of the stone that a block is a piece of; -1: of none
+    plane_row: np.ndarray  # (B,) row of the tables of friction and joint laws for the planes within that
     columns: np.ndarray  # (k,) of a rigid block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
 
 

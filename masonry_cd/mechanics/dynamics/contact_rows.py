@@ -116,9 +116,12 @@ def fill_rows(
             offset[row, i] = 0.0
             rows.start[row, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
         offset[row, 0] = gap[c] / step if gap[c] > closed else 0.0
+        within = blocks.stone[found.bodies[c, 0]] >= 0 and blocks.stone[found.bodies[c, 0]] == blocks.stone[found.bodies[c, 1]]
         for side in range(2):
             block, sign = found.bodies[c, side], 1.0 - 2.0 * side
             rows.blocks[row, side], rows.groups[row, side] = block, group_of[block]
+            if within:
+                rows.groups[row, side] = blocks.plane_row[block]
             rows.bodies[row, side], rows.supports[row, side] = free_index[block], support_of[block]
             for d in range(3):
                 arm[d] = point[c, d] - position[block, d]

@@ -304,8 +304,7 @@ class Stepper:
 
     def cut_bonds(self, pairs: np.ndarray) -> None:
         """Break the bonds of all joints between pairs of groups, (G, G) bool."""
-        group, m = self.assembly.group_of[self.detector.blocks_of_contacts()], self.motion
-        gone = pairs[group[:, 0], group[:, 1]]
+        gone, m = pairs[self.assembly.rows(*self.detector.blocks_of_contacts().T)], self.motion
         if not len(gone):
             return
         joints = m.joints
@@ -353,8 +352,7 @@ class Stepper:
     def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
         """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""
         if self.last is None:
-            group = self.assembly.group_of
-            return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
+            return (self.assembly.laws.apex[self.assembly.rows(joints.block_a, joints.block_b)] > 0.0).astype(float)
         return bonded_shares(self.last, self.motion, pair_joint, joints)
 
     def joint_histories(self, pair_joint: np.ndarray, joints: Joints) -> dict[str, np.ndarray]:

@@ -78,13 +78,13 @@ def most_stretched(laws: JointLaws, masonry: PairStiffness | None) -> float:
     elastic = laws.normal_stiffness > 0.0
     own = float((laws.apex[elastic] / laws.normal_stiffness[elastic]).max(initial=0.0))
     own = max(own, float(opening_at_end(laws).max(initial=0.0)))
-    return own if masonry is None else max(own, float(laws.apex.max()) / float(masonry.stiffness[:, 0].min(initial=np.inf)))
+    of_masonry = float(laws.apex[~elastic].max(initial=0.0))
+    return own if masonry is None else max(own, of_masonry / float(masonry.stiffness[:, 0].min(initial=np.inf)))
 
 
 def stiffness_of_joints(assembly: Assembly, joints: Joints) -> tuple[np.ndarray, np.ndarray]:
     """k_n and k_t of joints (J,) [N/m3]: of their law, or else of the masonry; 0: rigid."""
-    group, laws = assembly.group_of, assembly.laws
-    pair = (group[joints.block_a], group[joints.block_b])
+    laws, pair = assembly.laws, assembly.rows(joints.block_a, joints.block_b)
     own = laws.normal_stiffness[pair], laws.tangential_stiffness[pair]
     if laws.moduli is None:
         return own

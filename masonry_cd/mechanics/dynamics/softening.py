@@ -96,8 +96,7 @@ def split(
 
 def _softens(system: System, found: ContactSet) -> np.ndarray:
     """(N,) bool: contacts whose joint has a bond that softens, or had one."""
-    group = system.assembly.group_of[found.bodies]
-    return np.asarray((system.assembly.laws.fracture[group[:, 0], group[:, 1]] > 0.0) & (found.area > 0.0))
+    return np.asarray((system.assembly.laws.fracture[system.assembly.rows(*found.bodies.T)] > 0.0) & (found.area > 0.0))
 
 
 def _start(system: System, last: MotionState, found: ContactSet, old: np.ndarray, bonding: float, least: np.ndarray | None) -> Start:
@@ -105,8 +104,7 @@ def _start(system: System, last: MotionState, found: ContactSet, old: np.ndarray
     new = np.where(found.gap <= bonding, 0.0, 1.0)
     damage = np.where(_softens(system, found), np.where(old >= 0, last.bonds.damage[old], new), 1.0)
     on = np.flatnonzero(damage < 1.0)
-    at, known, group = old[on], old[on] >= 0, system.assembly.group_of[found.bodies[on]]
-    groups, damage = (group[:, 0], group[:, 1]), damage[on]
+    at, known, groups, damage = old[on], old[on] >= 0, system.assembly.rows(*found.bodies[on].T), damage[on]
     stretch, growth, spent = (np.where(known, array[at], 0.0) for array in (last.bonds.stretch, last.bonds.growth, last.bonds.spent))
     slip = np.where(known[:, None], last.joints.slip[at], 0.0)
     size = np.sqrt((slip**2).sum(axis=1))

@@ -107,7 +107,7 @@ class System:
         free = ~assembly.fixed
         width, inexact = assembly.width, SLACK * built_gap(assembly)
         axis, at = (-1, 0.0) if plane is None else (plane.axis, float(plane.at))
-        masonry = PairStiffness.of(assembly)
+        masonry, none = PairStiffness.of(assembly), np.full(assembly.count, -1)
         blocks = BlockArrays(
             mass=assembly.mass,
             inertia=assembly.inertia,
@@ -115,6 +115,8 @@ class System:
             free_index=np.where(assembly.fixed, -1, np.cumsum(free) - 1),
             support_of=assembly.support_of,
             group_of=assembly.group_of,
+            stone=none if assembly.planes is None else assembly.planes.stone,
+            plane_row=none if assembly.planes is None else assembly.planes.row,
             columns=np.arange(6) if plane is None else plane.columns,
         )
         return cls(

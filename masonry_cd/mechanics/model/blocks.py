@@ -29,6 +29,7 @@ from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
 from masonry_cd.mechanics.model.links import Link
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere_properties
+from masonry_cd.mechanics.model.stones import CrackPlanes
 
 
 class Carried(NamedTuple):
@@ -59,6 +60,7 @@ class Block:
         radius: of a sphere [m], whose vertices and faces are then the facetted ball by which it is drawn (:meth:`sphere` makes one); 0 of
             a polyhedron.
         carried: what moves with it besides; None: nothing.
+        stone: the name of the stone that it is a piece of; empty of a block that is whole.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Block:
     structure: str = ""
     radius: float = 0.0
     carried: Carried | None = None
+    stone: str = ""
 
     @classmethod
     def sphere(
@@ -173,7 +176,7 @@ class Assembly:
     inertia: np.ndarray  # (B, 3, 3) about the centre of mass, body frame [kg m2]
     centre: np.ndarray  # (B, 3) centres of mass at the start [m]
     volume: np.ndarray  # (B,) [m3]
-    friction: np.ndarray  # (G, G) coefficient of friction between groups
+    friction: np.ndarray  # (G, G) coefficient of friction between groups; as the tables below also of planes, see ``rows``
     rolling: np.ndarray  # (G, G) rolling friction of spheres between groups: arm over radius
     restitution: np.ndarray  # (G, G) Newton's coefficient between groups
     laws: JointLaws  # of the joints between groups
@@ -182,6 +185,7 @@ class Assembly:
     absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
     links: tuple[Link, ...] = ()  # that hold blocks together
     footings: Footings | None = None  # blocks on springs of the ground; None: all supports move as prescribed
+    planes: CrackPlanes | None = None  # along which stones crack; None: no stone does
 
     @property
     def count(self) -> int:
@@ -193,6 +197,19 @@ class Assembly:
         """Those of which no block is absent."""
         absent = self.absent
         return self.links if absent is None else tuple(link for link in self.links if not absent[list(link.blocks)].any())
+
+    def rows(self, a: np.ndarray | int, b: np.ndarray | int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and columns of the tables of friction and joint laws for pairs of blocks: their groups, or the planes within a stone."""
+        return (self.group_of[a], self.group_of[b]) if self.planes is None else self.planes.rows(a, b, self.group_of)
+
+    def with_laws(self, material: Material) -> Assembly:
+        """The blocks with the friction and the joint laws of a material.
+
+        Raises:
+            InputError: a pair that names an unknown group, or a law that friction does not allow.
+        """
+        friction, laws = _tables(self.groups, material, self.planes)
+        return replace(self, friction=friction, laws=laws)
 
     @property
     def unyielding(self) -> np.ndarray:
@@ -257,13 +274,15 @@ class Assembly:
         density = np.array([block.density for block in blocks])
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
-        coefficients = friction_table(material.friction, groups)
         _check_rigid_spheres(blocks, groups, material)
         _check_dry_spheres(blocks, groups, material.joint_laws)
         group_of = np.array([groups.index(block.group) for block in blocks])
         inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
-        laws = joint_table(material.joint_laws, groups, coefficients, material.joint_moduli)
+        planes = CrackPlanes.of([block.stone for block in blocks], group_of, len(groups), centre) if material.stones else None
+        friction, laws = _tables(groups, material, planes)
         deformation = deformation_of(fixed, group_of, groups, inertia, volume, material)
+        restitution = restitution_table(material.restitution, groups, laws.by_area[: len(groups), : len(groups)], deformation is not None)
+        rolling = _rolling(blocks, material.rolling_friction, groups)
         return cls(
             blocks=tuple(blocks),
             names=names,
@@ -275,12 +294,13 @@ class Assembly:
             inertia=inertia,
             centre=centre,
             volume=volume,
-            friction=coefficients,
-            rolling=_rolling(blocks, material.rolling_friction, groups),
-            restitution=restitution_table(material.restitution, groups, laws.by_area, deformation is not None),
+            friction=friction,
+            rolling=rolling if planes is None else planes.grown(rolling),
+            restitution=restitution if planes is None else planes.grown(restitution),
             laws=laws,
             shapes=Shapes.of(blocks, centre),
             deformation=deformation,
+            planes=planes,
         )
 
     def placed(self, position: np.ndarray, rotation: np.ndarray) -> Assembly:
@@ -314,6 +334,15 @@ class Assembly:
         return replace(
             self, blocks=tuple(moved), centre=np.array(position, dtype=float), inertia=inertia, shapes=shapes, deformation=deformation
         )
+
+
+def _tables(groups: Sequence[str], material: Material, planes: CrackPlanes | None) -> tuple[np.ndarray, JointLaws]:
+    """Friction and joint laws between groups, and of the planes within their stones."""
+    friction = friction_table(material.friction, groups)
+    laws = joint_table(material.joint_laws, groups, friction, material.joint_moduli)
+    if planes is None:
+        return friction, laws
+    return planes.with_laws(material.stones, groups, friction, laws)
 
 
 def _rolling(blocks: Sequence[Block], rolling: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:

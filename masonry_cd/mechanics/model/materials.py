@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field, WithJsonSchema, field_validator, model_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
-from masonry_cd.foundation.fields import Number
+from masonry_cd.foundation.fields import Number, Table
 from masonry_cd.foundation.table_schema import one_or_by_name
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
@@ -17,6 +17,7 @@ from masonry_cd.mechanics.model.joint_laws.friction import Friction
 from masonry_cd.mechanics.model.joint_laws.restitution import Restitution
 from masonry_cd.mechanics.model.joint_laws.rolling import RollingFriction
 from masonry_cd.mechanics.model.masonry_kinds import RIGID, Masonry, MasonryKey
+from masonry_cd.mechanics.model.stones import Stones
 from masonry_cd.mechanics.model.strength import KEY, Strength
 from masonry_cd.mechanics.model.usual import DENSITY
 
@@ -48,6 +49,9 @@ class Material(ElasticBlocks):
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is dry, and rigid where no masonry is named."""
+    stones: Annotated[dict[str, Stones], Field(json_schema_extra=one_or_by_name(Stones))] = Field(default_factory=dict)
+    """Stones that crack along planes laid beforehand: one law for all blocks that move, or laws by group, ``[material.stones.arch]``,
+    which may be patterns, and ``default``; groups without a law have stones that do not break."""
 
     @field_validator("density")
     @classmethod
@@ -56,15 +60,18 @@ class Material(ElasticBlocks):
             raise ValueError(f"should be between {LIGHTEST:g} and {HEAVIEST:g} kg/m3")
         return value
 
-    @field_validator("joints", mode="before")
+    @field_validator("joints", "stones", mode="before")
     @classmethod
-    def _laws(cls, value: Any) -> Any:
-        """One law for all joints is the default of the pairs."""
+    def _laws(cls, value: Any, info: ValidationInfo) -> Any:
+        """One law for all is the default of the pairs, or groups."""
+        by = "pair" if info.field_name == "joints" else "group"
         if not isinstance(value, Mapping):
-            raise ValueError("should be a table: keys of one law, or tables by pair of groups")
-        plain = [key for key, law in value.items() if not isinstance(law, Mapping | JointLaw)]
+            raise ValueError(f"should be a table: keys of one law, or tables by {by}{' of groups' if by == 'pair' else ''}")
+        plain = [key for key, law in value.items() if not isinstance(law, Mapping | Table)]
         if plain and len(plain) < len(value):
-            raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
+            raise ValueError(
+                f'holds keys of one law ("{plain[0]}") and tables by {by}; put the keys under [material.{info.field_name}.default]'
+            )
         return {"default": value} if plain else value
 
     @model_validator(mode="after")
@@ -103,8 +110,11 @@ class Material(ElasticBlocks):
     @property
     def with_rigid_joints(self) -> Material:
         """The material with joints that are rigid but where they have a stiffness of their own; bonds and strengths stay."""
-        rigid = None if self.masonry is None else self.masonry.model_copy(update={"stiffness": RIGID})
-        return self.model_copy(update={"masonry": rigid})
+        if self.masonry is None or self.joint_moduli is None:
+            return self
+        young = self.joint_moduli[0]
+        stones = {group: own.model_copy(update={"young": own.young or young}) for group, own in self.stones.items()}
+        return self.model_copy(update={"masonry": self.masonry.model_copy(update={"stiffness": RIGID}), "stones": stones})
 
 
 def given_strength(table: Mapping[str, Any]) -> Any:

@@ -15,6 +15,7 @@ FRICTION = Usual(0.0, 1.2, "dry joints have 0.3 to 1.2; an angle is given by its
 YOUNG = Usual(1e7, 2.5e11, "from adobe, 0.01 GPa, to steel, 210 GPa", MODULI)
 COMPRESSION = Usual(1e5, 5e8, "from rubble, 0.1 MPa, to the hardest stone, 500", STRENGTHS)
 BOND = Usual(1e3, 2e7, "mortar and bricks have 0.001 to 20 MPa", STRENGTHS)
+SPLITTING = Usual(1e5, 5e7, "stone splits at 0.5 to 25 MPa, and shears at some twice that", STRENGTHS)
 FRACTURE = Usual(0.1, 1e3, "mortar joints take 1 to 200 N/m, stone up to some 200", ("N/mm",))
 DAMPING = Usual(0.0, 0.5, "a share of critical is given, 0.05 for 5 %, and masonry has 0.01 to 0.1")
 
