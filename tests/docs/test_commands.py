@@ -33,7 +33,7 @@ FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
 IN_A_SCENE = re.findall(r"^\| `(.+?)` \| `(.+?)` \| `(.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 ON_THE_LINE = re.findall(r"^\| `masonry-cd (.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 FOLLOWED = [ROOT / "README.md", DOCS / "index.md", *sorted(DOCS.glob("tutorials/*.md")), *sorted(DOCS.glob("howto/*.md"))]
-QUICK = ("docs/howto/blocks.md", "docs/howto/code_check.md", "docs/howto/compare.md")
+QUICK = ("docs/howto/blocks.md", "docs/howto/code_check.md", "docs/howto/runs.md")
 LONG = pytest.mark.slow(reason="types every command of a page: runs, pictures and reports, 5 to 20 s")
 
 

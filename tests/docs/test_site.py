@@ -118,7 +118,7 @@ def test_links_lead_to_where_the_site_has_its_files() -> None:
         return hooks.LINK.sub(lambda found: hooks.link_on_site(found, place.removeprefix("docs/"), place), link)
 
     assert moved("[a](../CONTRIBUTING.md#tests)", "docs/validation.md") == "[a](contributing.md#tests)"
-    assert moved("[a](../../README.md)", "docs/howto/church.md") == "[a](../index.md)"
+    assert moved("[a](../../README.md)", "docs/howto/buildings.md") == "[a](../index.md)"
     assert moved("[a](accuracy.toml), [b](../tests)", "docs/accuracy.md") == "a, b"
     assert moved("[a](nowhere.md) [b](https://elsewhere)", "docs/index.md") == "[a](nowhere.md) [b](https://elsewhere)"
 
