@@ -48,6 +48,7 @@ from reports.settings import Report
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.hazard.curve import Hazard
+    from masonry_cd.app.strengthen_table import StrengthenTable
     from structures.kind import StructureKind
 
 LONGEST_VALUE = 60  # characters of a --set that messages repeat
@@ -84,7 +85,7 @@ class SceneTables(Table):
     """How often the site shakes how strongly: checks of limit analysis and studies read it, a run does not."""
     assess: dict[str, Any] = Field(default_factory=dict)
     """Ranges that masonry-cd assess varies instead of its own; a run does not read it."""
-    strengthen: dict[str, Any] = Field(default_factory=dict)
+    strengthen: dict[str, Any] | None = None
     """The target of masonry-cd strengthen, and the ties that may be built in; a run does not read it."""
     output: dict[str, Any] = Field(default_factory=dict)
     """Points, joints, cracks and supports that are kept in every step: [[output.point]] and so on."""
@@ -179,7 +180,7 @@ class Scene:
     origin: Origin  # of its keys, for messages
     limit: dict[str, Any] = field(default_factory=dict)  # checked by loads
     hazard: HazardTable | None = None  # its keys
-    strengthen: dict[str, Any] = field(default_factory=dict)  # checked by app/strengthen_table.py
+    strengthen: StrengthenTable | None = None
     assess: AssessTable = field(default_factory=AssessTable)
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are intended
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
@@ -317,6 +318,11 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         if top.hazard is not None:
             with faults.of():
                 read["hazard"] = parse_table(HazardTable, top.hazard, "hazard")
+        if top.strengthen is not None:
+            from masonry_cd.app.strengthen_table import StrengthenTable  # its keys are those of ties, which bring the loads
+
+            with faults.of():
+                read["strengthen"] = parse_table(StrengthenTable, top.strengthen, "strengthen")
         several: Sequence[tuple[str, type[Table], list[dict[str, Any]]]] = (
             ("links", LinkTable, top.links),
             ("ground", GroundTable, top.ground),
@@ -337,7 +343,6 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         path=path,
         origin=origin,
         limit=top.limit,
-        strengthen=top.strengthen,
         quiet_checks=tuple(top.quiet_checks),
         static=top.run is None,
         **read,

@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from loads.motion import DirectionKey
-from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.usual import DIAMETER
 from structures.schema import Length, Table
@@ -115,12 +113,3 @@ class StrengthenTable(Table):
         forces = [bar.yield_force or float(round(self.yield_stress * 0.25 * math.pi * bar.diameter**2)) for bar in bars]
         strong = [bar.model_copy(update={"yield_force": force}) for bar, force in zip(bars, forces, strict=True)]
         return tuple(sorted(strong, key=lambda bar: bar.yield_force or 0.0))
-
-
-def strengthen_table(table: Mapping[str, Any]) -> StrengthenTable:
-    """Check a table ``[strengthen]``.
-
-    Raises:
-        InputError: an unknown key, or a value out of range.
-    """
-    return parse_table(StrengthenTable, table, "strengthen")

@@ -15,7 +15,7 @@ from masonry_cd.analysis.limit.problem import Bars, plane_of
 from masonry_cd.analysis.limit.strengthening import Candidates
 from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.strengthen_table import StrengthenTable, strengthen_table
+from masonry_cd.app.strengthen_table import StrengthenTable
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import Wanted, has_pattern, heights_along_z
 from masonry_cd.limit.checked import way_words
@@ -78,9 +78,9 @@ def asked_of(scene: Scene) -> Asked:
     if scene.structures:
         raise InputError(scene.origin.of("structures"), "structures: masonry-cd strengthen takes one [structure]")
     with scene.locating():
-        if not scene.strengthen:
+        if scene.strengthen is None:
             raise InputError("strengthen", "missing; masonry-cd strengthen needs factor or zeta_E, and candidates")
-        table = strengthen_table(scene.strengthen)
+        table = scene.strengthen
     notes, limit = list[str](), dict(scene.limit)
     structure = limit_structure(scene)
     with scene.locating():
