@@ -16,7 +16,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-__version__ = "0.2.0"
+__version__ = "1.0.0rc1"
 
 NAMES = {
     "Assessment": "masonry_cd.interface.assessing:Assessment",
