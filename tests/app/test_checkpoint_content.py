@@ -148,7 +148,7 @@ def out_of_place(arrays: dict[str, np.ndarray]) -> list[dict[str, np.ndarray]]:
 
 @pytest.mark.slow(reason="a run is resumed with each of twenty changed checkpoints")
 def test_no_index_out_of_place_reaches_a_kernel(stopped, tmp_path):
-    """By the command: one line, and the folder as it was."""
+    """The command gives one line and leaves the folder as it was."""
     name, folder = stopped
     out = tmp_path / "out"
     shutil.copytree(folder, out)

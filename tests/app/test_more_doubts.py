@@ -231,7 +231,7 @@ def test_what_falls_past_the_supports_is_not_looked_at(drop, tmp_path):
 
 
 def test_speeds_are_relative_to_a_support_that_stays(tmp_path):
-    """Of two supports the first sinks at 2 m/s; the stone on the other stands still, whatever the first does."""
+    """The first of two supports sinks at 2 m/s; the stone on the other stands still, whatever the first does."""
     sinks, stays = box("sinks", (-3, 0, -1), (-2, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)
     blocks = [sinks, stays, box("stone", (0, 0, 0), (1, 1, 1))]
     states = [at_rest(blocks), shifted(at_rest(blocks), 0, (0, 0, -0.2))]

@@ -126,7 +126,7 @@ MORE = pytest.mark.slow(reason="a process per kill, which traces each line")
 
 @pytest.mark.parametrize("kills", [2, pytest.param(8, marks=MORE), pytest.param(24, marks=pytest.mark.validation)])
 def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch, kills):
-    """Of a run that begins, and of one that is resumed: killed at lines spread over all that its writing executes."""
+    """A run that begins, and one that is resumed, are killed at lines spread over all that its writing executes."""
     monkeypatch.setattr(result_writer, "BUFFER_BYTES", 4096)
     path, saved = tmp_path / "broken.h5", tmp_path / checkpoint.NAME
 

@@ -275,7 +275,7 @@ def test_a_switched_constant_shows_in_the_counts_and_is_put_back() -> None:
 
 @pytest.mark.parametrize(("lowered", "overlaps", "early"), [(0.0, 0, 0), (0.1, 1, 0), (-0.1, 0, 1)])
 def test_a_gap_that_jumps_is_counted_once(monkeypatch: pytest.MonkeyPatch, lowered: float, overlaps: int, early: int) -> None:
-    """Of the last pair of a tower at rest, in one detection: 100 mm deeper than before, or back from 100 mm above."""
+    """The last pair of a tower at rest comes, in one detection, 100 mm deeper than before, or back from 100 mm above."""
     machine, detect, made, seen = stepper(tower(3, amplitude=0.0), 8), Detector.detect, Count(), []
 
     def shifted(self: Detector, *where: Any) -> Any:

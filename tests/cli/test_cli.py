@@ -312,7 +312,7 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
 
 
 def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path, monkeypatch):
-    """Of what is there, as provisional; a second Ctrl-C ends their drawing. SIGTERM leaves no time for them."""
+    """Outputs of what is there are provisional; a second Ctrl-C ends their drawing. SIGTERM leaves no time for them."""
     scene, out = block_on_plate(**SHAKEN, report="[report]\ndamage = true"), tmp_path / "out"
     with monkeypatch.context() as pressed:
         signals_in(pressed, Stepper, "step", 60)

@@ -135,7 +135,7 @@ def test_what_is_freed_is_kept(environment: dict[str, str]) -> None:
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
 def test_what_lies_between_pieces_in_use_is_given_back() -> None:
-    """Of 100 MB freed, the pieces between which it lies keep less than a tenth."""
+    """When 100 MB are freed, the pieces between which it lies keep less than a tenth."""
     own = {key: os.environ[key] for key in os.environ if "MALLOC" not in key}
     assert float(subprocess.run([sys.executable, "-c", PIECES], capture_output=True, check=True, text=True, env=own).stdout) < 0.1
 

@@ -130,7 +130,7 @@ def test_flipped_bits(stopped, tmp_path, seed):
 
 @pytest.mark.parametrize("seed", seeds(*CUTS))
 def test_files_cut_off(stopped, tmp_path, seed):
-    """Of a run that ended and, every other one, of a run that was killed, whose file does not say how long it is."""
+    """Files are of a run that ended and, every other one, of a run that was killed, whose file does not say how long it is."""
     data = (stopped / "out" / "result.h5").read_bytes()
     kept = (marked(data) if seed % 2 else data)[: random.Random(seed).randrange(len(data))]
     assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped), LIMIT) == ""

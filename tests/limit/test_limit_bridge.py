@@ -50,7 +50,7 @@ def test_rings_bear_less_than_one_and_more_the_less_they_slide() -> None:
 
 
 def test_at_collapse_walls_and_backs_are_pressed_by_the_active_pressure() -> None:
-    """What moves away is on the point of it: K_a, whatever pressed it at rest."""
+    """A wall about to move away has K_a, whatever pressed it at rest."""
     load, solid = {"kind": "vehicle", "axles": [1e4], "position": 1.25, "across": "line"}, [{"rigid": False, "height": 1.5}]
     rest, active, none = (factor(load, 0.7, abutments=solid, fill={"passive": 0.0, "pressure": p}) for p in ("at_rest", "active", "none"))
     assert rest == active

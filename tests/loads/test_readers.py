@@ -217,7 +217,7 @@ def test_broken_gse_is_refused_by_its_line(samples: Path, name: str) -> None:
 
 
 def test_lines_to_skip_keep_their_numbers(tmp_path: Path) -> None:
-    """What stands above a record goes; a fault below is named by the line of the whole file."""
+    """Lines above a record are skipped; a fault below is named by the line of the whole file."""
     (tmp_path / "a.AT2").write_text("Downloaded\nyesterday\n" + at2(), encoding="utf-8")
     assert read(Source.open(tmp_path / "a.AT2", "p", skip=2), "auto", Request())[0] == "at2"
     (tmp_path / "b.AT2").write_text("Downloaded\nyesterday\n" + at2(count="45"), encoding="utf-8")

@@ -351,7 +351,7 @@ def test_a_pixel_is_the_mean_of_its_samples() -> None:
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
 def test_memory_of_pictures_goes_back_to_the_system() -> None:
-    """Of the 180 MB that a picture of 4.8 million samples takes, four to a pixel, one that keeps what its steps free has hardly any."""
+    """A picture of 4.8 million samples, four to a pixel, takes 180 MB; one that keeps what its steps free has hardly any."""
 
     def draw(pixels: tuple[int, int]) -> float:
         """Resident memory after a picture [MB]."""

@@ -64,7 +64,7 @@ def test_the_cheaper_lever_is_taken_and_the_other_one_bears_the_rest(tmp_path):
 
 
 def test_prices_of_anchors_take_fewer_ties(tmp_path):
-    """Of two bounds that need both ties only one has to be built where a stronger single one costs less."""
+    """Two bounds need both ties, but only one has to be built where a stronger single one costs less."""
     ties = tie(2.5, "largest_force = '0.9 kN'\n") + tie(2.0) + tie(1.8)
     by_force = made(tmp_path, ASKED + ties + "[strengthen.prices]\nforce = 1.0\n")
     assert (by_force.least.force > 0.0).sum() == 2

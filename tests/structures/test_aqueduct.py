@@ -53,7 +53,7 @@ def built(request: pytest.FixtureRequest) -> tuple[dict[str, object], list[Block
 
 
 def test_volume_and_joints_are_those_of_closed_forms(built: tuple[dict[str, object], list[Block]]) -> None:
-    """Of the volume all that lies between the piers and under the rings is missing; each side is a whole joint or an outer side."""
+    """All the volume between the piers and under the rings is missing; each side is a whole joint or an outer side."""
     keys, blocks = built
     tiers = aqueduct.tiers_of(aqueduct.AqueductTable.model_validate(keys))
     volume = outer = 0.0

@@ -280,7 +280,7 @@ def test_a_mesh_of_gmsh_without_volumes_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_of_meshes_is_a_stone_a_file(tmp_path: Path) -> None:
-    """By name, numbers by their size; what is no mesh is counted; a run depends on each file."""
+    """Files are sorted by name, numbers by their size; what is no mesh is counted; a run depends on each file."""
     from masonry_cd.app.inputs import file_digests
 
     (tmp_path / "stones").mkdir()

@@ -57,7 +57,7 @@ def test_an_elevation_stands_up_whatever_its_unit_and_axis(tmp_path: Path, units
 
 
 def test_outlines_in_an_upright_plane_stay_in_it(tmp_path: Path) -> None:
-    """By the plane of a polyline, and by the corners of one in space that ends where it began."""
+    """The plane is that of a polyline, or follows by the corners of one in space that ends where it began."""
     document = drawing()
     document.modelspace().add_lwpolyline(rectangle((0.0, 0.0), (1.0, 2.0)), close=True, dxfattribs={"extrusion": (0.0, -1.0, 0.0)})
     loop = [(0.0, y, z) for y, z in rectangle((2.0, 0.0), (3.0, 2.0))]

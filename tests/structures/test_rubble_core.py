@@ -92,7 +92,7 @@ def test_a_core_has_a_density_of_its_own() -> None:
 
 
 def test_a_single_sphere_falls_to_the_floor_of_a_slot_and_rests_between_two() -> None:
-    """By itself at its radius; two as wide as the slot side by side; a third in their hollow, at the height of its closed form."""
+    """One stone lies at its radius; two as wide as the slot side by side; a third in their hollow, at the height of its closed form."""
     slot = rubble.Slot(0.0, 0.2, 0.0, 0.1, 0.0, 0.25)
     made = rubble.fill(slot, np.empty((0, 4)), [0.0, 0.25], [0.0999], [1.0], 3)
     z = np.sort(made.centre[:, 2])

@@ -185,7 +185,7 @@ def test_two_that_meet_keep_momentum_and_book_the_energy_they_lose(tmp_path):
 
 
 def test_damage_has_a_row_for_each_structure(tmp_path):
-    """Of two piers far apart only the slender one rocks, and its row says so."""
+    """Only the slender one of two piers far apart rocks, and its row says so."""
     slender = {**PIER, "length": 0.25, "unit_length": 0.25, "height": 2.5}
     scene = {
         "structures": [{"name": "stout", **PIER}, {"name": "slender", **slender, "at": [8.0, 0.0, 0.0]}],

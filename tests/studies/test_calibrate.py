@@ -63,7 +63,7 @@ least = 2.0
 
 
 def first_frequency(folder: Path) -> float:
-    """Of the pier at the mean modulus of its kind, 2.85 GPa [Hz]."""
+    """First frequency of the pier at the mean modulus of its kind, 2.85 GPa [Hz]."""
     scene = PIER[PIER.index("[scene.structure]") : PIER.index("[vary]")].replace("[scene.", "[")
     (folder / "pier.toml").write_text(scene)
     done("modal", folder / "pier.toml", "-o", folder / "modal", "--method", "joints", "--pictures", "0")

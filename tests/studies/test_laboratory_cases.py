@@ -112,7 +112,7 @@ def test_a_case_of_the_laboratory(name: str, share: float, tmp_path: Path) -> No
 
 
 def test_an_open_bed_of_springs_bears_less_than_an_edge() -> None:
-    """By its maximum over theta, for the block that pulses overturn."""
+    """The share follows by its maximum over theta, for the block that pulses overturn."""
     width, height, stiffness = overturning.WIDTH, overturning.HEIGHT, overturning.LAW["normal_stiffness"]
     weight = width * height * overturning.DENSITY * 9.81
     theta = np.geomspace(1e-5, 0.1, 10001)

@@ -66,7 +66,7 @@ def asked(tmp_path: Path) -> Path:
 
 
 def chosen(path: Path, **changes: str) -> dict[str, Any]:
-    """What is chosen by a file some of whose lines are others."""
+    """The set chosen by a file some of whose lines are replaced."""
     path.write_text(studied.changed(SELECT, changes), encoding="utf-8")
     return mc.select_records(path)
 

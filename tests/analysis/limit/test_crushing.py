@@ -54,7 +54,7 @@ def test_a_pier_under_axial_load_has_the_moment_of_its_stress_block(share):
 
 @pytest.mark.parametrize(("p", "q"), [(0.5, 0.2), (0.9, 0.05), (0.3, 0.28)])
 def test_about_both_axes_the_stress_block_is_a_triangle_at_the_corner(p, q):
-    """Of legs p and q, with its resultant p/3 and q/3 from the edges; the push goes the way of that eccentricity."""
+    """A bed of legs p and q has its resultant p/3 and q/3 from the edges; the push goes the way of that eccentricity."""
     arm = np.array([B / 2.0 - p / 3.0, T / 2.0 - q / 3.0])
     found, least = moment(*pier(JointLaw(compressive_strength=N / (p * q / 2.0)), tuple(arm / np.linalg.norm(arm))), starts=1)
     exact = N * np.linalg.norm(arm)

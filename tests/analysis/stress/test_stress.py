@@ -110,7 +110,7 @@ def test_tables_have_the_weight_above_each_block_and_joint(tmp_path):
 
 
 def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
-    """By group: b0 is weaker than its mean stress, b1 only than the edge of the joint below it; the others have no strength."""
+    """Block b0 is weaker than its mean stress, block b1 only than the edge of the joint below it; the others have no strength."""
     strength = "compressive_strength = { b0 = 3.0e4, b1 = 2.8e4 }"
     summary = run_case(prepare(scene(tmp_path, strength, stress="false")), tmp_path / "out")
     found = summary.stress.strength

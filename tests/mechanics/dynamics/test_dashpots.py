@@ -46,7 +46,7 @@ def test_a_swing_fades_as_its_share_of_critical_says_to_second_order(column, ome
 
 
 def test_the_dashpot_takes_all_of_a_swing_and_the_balance_closes():
-    """What the solver may leave, 1e-12 of g h times the weight's impulse in each of 400 steps, is a fifth of the bound on the balance."""
+    """The residual of the solver, 1e-12 of g h times the weight's impulse in each of 400 steps, is a fifth of the bound on the balance."""
     machine = on_joint(5e-4, 400, law(0.2, OMEGA), {2: 1e-2}, tolerance=1e-12, **ON)
     history(machine, 400, 2)
     kick = 0.5 * MASS * 1e-4

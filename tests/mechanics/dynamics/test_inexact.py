@@ -95,7 +95,7 @@ def test_a_real_gap_closes() -> None:
 
 
 def test_a_block_thrown_up_lands_where_it_stood_or_within_the_gap() -> None:
-    """What counts as closed does not lift or sink a block that leaves its place: it lands within that gap."""
+    """A gap that counts as closed does not lift or sink a block that leaves its place: it lands within that gap."""
     blocks = [ground(1.0), box("b", (0.0, 0.0, 4e-6), (0.2, 0.2, 0.2))]
     machine = stepper(blocks, 400, dt=1e-3)
     machine.kick(np.array([[0.0] * 6, [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]]))

@@ -260,7 +260,7 @@ def test_joints_carry_the_mean_force_of_the_steps():
 
 
 def test_no_impulse_of_a_rocking_column_is_left_out():
-    """Of all steps, those with impacts among them: weight and momentum of the column, but for what impacts carry over without a contact."""
+    """The mean over all steps, impacts included, is weight and momentum of the column, less what impacts pass on without a contact."""
     steps, dt = 300, 2e-3
     shaking = still(steps)
     shaking[:, 0, 0] = 0.3 * np.sin(4 * np.pi * dt * np.arange(steps + 1)) * (np.arange(steps + 1) * dt < 0.5)

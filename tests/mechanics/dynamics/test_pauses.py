@@ -69,7 +69,7 @@ def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) ->
 
 
 def test_rests_that_wait_for_what_the_tolerance_does_not_resolve_are_reported(tmp_path: Path) -> None:
-    """Of rests that took their whole length only, and only where the tolerance is to blame."""
+    """Rests that took their whole length are named, and only where the tolerance is to blame."""
     write(tmp_path / "short.h5", shaken())
     write(tmp_path / "full.h5", shaken(), ())
     with Results.open(tmp_path / "short.h5") as short, Results.open(tmp_path / "full.h5") as full:
@@ -125,7 +125,7 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_a_block_falls_relative_to_a_support_that_stays() -> None:
-    """Of two supports the first sinks by 1 m with the block on it; a block of 0.2 m next to the other has dropped by 0.15 m."""
+    """The first of two supports sinks by 1 m with the block on it; a block of 0.2 m next to the other has dropped by 0.15 m."""
     supports = [box("sinks", (-2.0, 0, -1), (-1, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)]
     assembly = Assembly.from_blocks([*supports, box("a", (-2.0, 0, 0), (-1, 1, 0.2)), box("b", (1.0, 0, 0), (2, 1, 0.2))], MU)
     built, state = standing_of(assembly), State.at_rest(assembly)

@@ -37,7 +37,7 @@ KINDS = pytest.mark.parametrize(
 
 @KINDS
 def test_stiff_blocks_tend_to_rigid_ones_at_first_order(kind: dict[str, object]) -> None:
-    """What differs from rigid blocks falls as 1 / E, down to 1e15 Pa."""
+    """The difference from rigid blocks falls as 1 / E, down to 1e15 Pa."""
     rigid = end(None)
     off = [np.abs(end(ElasticBlocks.model_validate(kind | {"young": young})) - rigid).max() for young in STIFFER]
     assert off[1] < 0.15 * off[0]

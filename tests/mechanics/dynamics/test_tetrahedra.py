@@ -244,7 +244,7 @@ def test_two_forces_that_pull_at_a_block_stretch_it_in_the_mean(planar: bool) ->
 
 @pytest.mark.parametrize("settings", [{}, {"dt": 5e-4}])
 def test_a_run_goes_on_from_its_snapshot_to_the_bit(settings: dict[str, float]) -> None:
-    """What :meth:`Stepper.snapshot` keeps is all that the next step depends on."""
+    """:meth:`Stepper.snapshot` keeps all that the next step depends on."""
     machines = [stepper(tower(2), 40, material=meshed(), **({"dt": 2e-3} | settings)) for _ in range(2)]
     for _ in range(20):
         machines[0].step()

@@ -31,7 +31,7 @@ def test_threads_change_no_bit(threads: int, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_error_is_the_same_by_many_threads() -> None:
-    """Of contacts with supports and between blocks, with and without scales."""
+    """Contacts are with supports and between blocks, with and without scales."""
     machine = stepper(wall(4, 5), 10, solver="auto", tolerance=1e-6)
     machine.step()
     problem, impulse = machine.friction_problem().problem, 1.1 * machine.solution.impulse

@@ -245,7 +245,7 @@ def test_rigid_blocks_beside_soft_ones_stay_rigid() -> None:
 
 
 def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
-    """What :meth:`Stepper.snapshot` keeps is all that the next step depends on."""
+    """:meth:`Stepper.snapshot` keeps all that the next step depends on."""
     machines = [stepper(tower(2), 40, material=soft(), dt=2e-3) for _ in range(2)]
     for _ in range(20):
         machines[0].step()

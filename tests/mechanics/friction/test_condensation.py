@@ -83,7 +83,7 @@ def test_bodies_have_as_many_unknowns_as_their_own_mesh(m: int, n: int, felt: in
 @pytest.mark.parametrize("name", ["newton", "admm", "auto", "interior", "nlgs", "accelerated"])
 @pytest.mark.parametrize(("m", "n"), [(2, 16), (3, 24)])
 def test_every_solver_solves_it(name: str, m: int, n: int, softness: float) -> None:
-    """What solves the equivalent problem solves the one it stands for, springs or not; and the other in as many unknowns as it has."""
+    """A solution of the equivalent problem solves the one it stands for, springs or not; and the other in as many unknowns as it has."""
     problem = column(m, n)
     problem = replace(problem, compliance=np.full((problem.contacts, m), softness) if softness else problem.compliance)
     options = Options(tolerance=1e-9, max_iterations=20_000)

@@ -181,7 +181,7 @@ def test_limit_bounds_both_methods_together() -> None:
 
 
 def test_impulses_spread_evenly() -> None:
-    """Of all impulses that carry a box on four corners it finds the symmetric ones, whatever the order of the contacts."""
+    """It finds the symmetric ones of all impulses that carry a box on four corners, whatever the order of the contacts."""
     problem = scenes.tower(1)
     solution = solve(problem, Options(tolerance=1e-10), None)
     normal = solution.impulse[:, 0]

@@ -42,7 +42,7 @@ def answer(problem: FrictionProblem, method: str, limit: int, threads: int) -> t
 @pytest.mark.parametrize("elastic", [False, True])
 @pytest.mark.parametrize("method", METHODS)
 def test_threads_change_no_bit(method: str, elastic: bool, blocks: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By one, two and three threads, from subtrees of a given number of blocks."""
+    """One, two and three threads give the same bits, from subtrees of a given number of blocks."""
     monkeypatch.setattr(ordering, "SUBTREE", blocks)
     problem = sliding_wall(elastic)
     assert problem.contacts > 4 * CHUNK

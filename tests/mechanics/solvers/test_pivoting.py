@@ -43,7 +43,7 @@ def sliding_block(compliance: float = 0.0) -> FrictionProblem:
 @pytest.mark.parametrize("softness", [0.0, 0.1])
 @pytest.mark.parametrize("mu", [0.0, 0.8, 1.5, 2.5])
 def test_solves_nearly_all_that_is_thrown_apart(mu: float, softness: float) -> None:
-    """Of eight walls at most one is left, rigid or on springs, without friction or with much."""
+    """At most one of eight walls is left, rigid or on springs, without friction or with much."""
     problems = [thrown(mu, seed, softness) for seed in range(8)]
     errors = [natural_map_error(problem, solve(problem, Options(tolerance=1e-8), None).impulse) for problem in problems]
     assert sum(error <= 1e-8 for error in errors) >= 7, errors

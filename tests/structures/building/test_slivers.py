@@ -104,7 +104,7 @@ def test_a_top_that_steps_beside_a_wall_at_an_angle_leaves_no_wedge() -> None:
 
 
 def test_areas_that_meet_in_a_line_alone_are_no_less_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a wall leaves of another may come with lines of no width, which count for nothing."""
+    """The remainder of a wall cut by another may come with lines of no width, which count for nothing."""
     keys = {"walls": [wall("a", [[0, 0], [4, 0]]), wall("b", [[2, 0], [2, 3]])]}
     plan: BuildingPlan = prepare(keys).plan
     whole = [shape.area for shape in plan.owned(1, 0, 0, 0.0, 0.3)]
