@@ -69,7 +69,8 @@ def _assessed(tonnes: float, axles: int, spacing: float) -> Known:
     return Known((tonnes * TONNE,) * axles, (spacing,) * (axles - 1), 1.8, (0.3, 0.3))
 
 
-VEHICLES = {
+VehicleName = Literal["LM1", "LM2", "single", "double", "double 1.3", "double 1.0", "triple", "triple 2.0"]
+VEHICLES: dict[VehicleName, Known] = {
     "LM1": Known((300e3, 300e3), (1.2,), 2.0, (0.4, 0.4)),
     "LM2": Known((400e3,), (), 2.0, (0.35, 0.6)),
     "single": _assessed(11.5, 1, 0.0),
@@ -79,6 +80,17 @@ VEHICLES = {
     "triple": _assessed(8.0, 3, 1.3),
     "triple 2.0": _assessed(7.0, 3, 1.0),
 }
+RESTRICTIONS: dict[str, dict[VehicleName, float]] = {
+    "normal traffic": {"single": 11.5, "double": 10.0, "double 1.3": 9.5, "double 1.0": 8.0, "triple": 8.0, "triple 2.0": 7.0},
+    "33 t": {"single": 11.5, "double 1.3": 9.5},
+    "26 t": {"single": 11.5, "double 1.3": 9.5},
+    "18 t": {"single": 11.5},
+    "13 t": {"single": 9.0},
+    "10 t": {"single": 7.0},
+    "7.5 t": {"single": 5.5},
+    "3 t": {"single": 2.0},
+}
+"""Assessment live loading levels of CS 454 revision 0, table 7.3.1a, the heaviest first, by the loads of their axles [t]."""
 
 
 def _numbers(value: object) -> tuple[float, ...] | None:
@@ -102,7 +114,7 @@ class VehicleTable(LoadTable):
     """Keys of ``kind = "vehicle"``."""
 
     kind: Literal["vehicle"] = "vehicle"
-    name: Literal["LM1", "LM2", "single", "double", "double 1.3", "double 1.0", "triple", "triple 2.0"] | None = None
+    name: VehicleName | None = None
     """Name of EN 1991-2, load models 1 and 2, or of CS 454: axles of normal traffic; or give axles."""
     axles: Annotated[Numbers, Unit("N"), AXLE] = None
     """Loads of its axles, the first one leading."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from loads.kinds.vehicle import VehicleName
 from loads.motion import DirectionKey
 from masonry_cd.analysis.code_check.site import completed
 from masonry_cd.analysis.code_check.table import CheckTable
@@ -86,6 +87,15 @@ class CurveTable(Table):
     """Displacement of the control block, at which to stop; where the factor vanishes when not given."""
 
 
+class RatingTable(Table):
+    """The table ``[limit.rating]``: the axle loads that a bridge bears with the load factor asked, vehicle by vehicle."""
+
+    factor: Annotated[float, Field(gt=0.0)]
+    """Load factor that is asked of every vehicle, all partial factors on its load and on its dynamic effect together."""
+    vehicles: Annotated[tuple[VehicleName, ...], Field(strict=False, min_length=1)] | None = None
+    """Vehicles by name; all of them when not given, and that of the scene if it has axles of its own."""
+
+
 class LimitTable(Table):
     """The table ``[limit]``: what ``masonry-cd limit`` multiplies, and how it solves."""
 
@@ -112,6 +122,8 @@ class LimitTable(Table):
     """Check by the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
     curve: CurveTable | None = None
     """The capacity curve: the mechanism at finite displacements."""
+    rating: RatingTable | None = None
+    """Load rating of a bridge whose live load is a vehicle: the axle load of each vehicle at its worst place."""
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
     """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
 

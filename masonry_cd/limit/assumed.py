@@ -7,7 +7,7 @@ what its scene states; where the scene states nothing, it takes what lowers the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -113,12 +113,32 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
     rows = [_row(whole, crossing if in_plane else None, *one) for one in changed]
     lower = [one for one, row in zip(changed, rows, strict=True) if row.counts and _is_lower(row, own.factor)]
     if len(lower) > 1:
-        both = structure
-        for _, other in lower:
-            both = _merged(both, structure, other)
-        words, key = " and ".join(row.words for row, _ in lower), " ".join(row.key for row, _ in lower)
-        rows.append(_row(whole, crossing if in_plane else None, Row(TOGETHER, words, None, key=key, counts=True), both))
+        rows.append(_row(whole, crossing if in_plane else None, *_together(structure, lower)))
     return Assumed((own, *(replace(row, position=place) if row.position is None else row for row in rows)))
+
+
+def against(structure: LimitStructure, lowers: Callable[[LimitStructure], bool]) -> tuple[Row, LimitStructure] | None:
+    """A bridge under live load with all that its scene leaves open assumed against it, and the row of that without its factor.
+
+    Args:
+        structure: as its scene states it.
+        lowers: True of one whose wheels are spread the other way and which bears less; all else that is left open never helps.
+
+    Returns:
+        None where the scene leaves nothing open.
+    """
+    every = [one for one in (*_of_joints(structure), *_of_fill(structure, False)) if one[0].counts]
+    lower = [(row, other) for row, other in every if row.assumed != "spread" or lowers(other)]
+    return _together(structure, lower) if lower else None
+
+
+def _together(structure: LimitStructure, changes: Sequence[tuple[Row, LimitStructure]]) -> tuple[Row, LimitStructure]:
+    """A structure with several changes, each of something else, and their row."""
+    both = structure
+    for _, other in changes:
+        both = _merged(both, structure, other)
+    words, key = " and ".join(row.words for row, _ in changes), " ".join(row.key for row, _ in changes)
+    return Row(TOGETHER, words, None, key=key, counts=True), both
 
 
 def _is_lower(row: Row, own: float | None) -> bool:

@@ -31,6 +31,7 @@ from masonry_cd.limit.assumed import Assumed, assumed
 from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words, weakest_of
 from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
+from masonry_cd.limit.rating import Rating, rating, refuse_rating
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
 from masonry_cd.limit.vehicle import PATTERNS, Crossing, at_worst
 from masonry_cd.limit.whole import WholeAnalysis, analyse_whole, as_part
@@ -98,6 +99,13 @@ class LimitCase:
         return Assumed() if self.whole is None else assumed(self.structure, self.whole, self.crossing)
 
     @cached_property
+    def rating(self) -> Rating | None:
+        """What each vehicle may weigh; None where the scene does not ask for it, or the bridge does not stand."""
+        if self.structure.asked.rating is None or self.whole is None or not self.whole.analysis.stands:
+            return None
+        return rating(self.structure, self.wanted.jobs or cores(), self.wanted.quiet)
+
+    @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict that all outputs show; None without a check."""
         return None if self.structure.asked.check is None else _verdict(self)
@@ -145,6 +153,7 @@ def limit_case(
     scene = source if isinstance(source, Scene) else read_scene(source, changes)
     with_parts = wanted.parts or bool(scene.limit.get("mechanism"))
     structure, crossing = limit_structure(scene), None
+    refuse_rating(structure)
     if whole_too := wanted.whole and (not with_parts or has_pattern(scene)):
         structure, crossing = at_worst(structure, wanted.quiet)
     with scene.locating():

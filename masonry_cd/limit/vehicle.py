@@ -81,7 +81,7 @@ def at_worst(structure: LimitStructure, quiet: bool = True, first: float | None 
         InputError: anything wrong with the scene.
     """
     scene = structure.scene
-    number, middle = _vehicle(scene), structure.of(somewhere(scene))
+    number, middle = live_vehicle(scene), structure.of(somewhere(scene))
     if number is None or "position" in scene.loads[number]:
         return middle, None
     with scene.locating():
@@ -92,14 +92,14 @@ def at_worst(structure: LimitStructure, quiet: bool = True, first: float | None 
 
 def somewhere(scene: Scene) -> Scene:
     """A scene whose limit analysis multiplies the vehicle that it has no place for, at some place; the scene itself where there is none."""
-    number = _vehicle(scene)
+    number = live_vehicle(scene)
     if number is None:
         return scene
     asked = replace(scene, limit={**scene.limit, "live": scene.limit.get("live", [number])})
     return asked if "position" in scene.loads[number] else _placed(asked, number, 0.0)
 
 
-def _vehicle(scene: Scene) -> int | None:
+def live_vehicle(scene: Scene) -> int | None:
     """The one vehicle that is multiplied: named in limit.live, or the only load that could be."""
     from loads import kind_of
     from loads.static import patterns
@@ -150,11 +150,11 @@ def _crossing(structure: LimitStructure, number: int, quiet: bool, first: float 
     problem, alone = at_rest(structure.assembly, structure.joints, structure.loads().at())
     if alone.factor < 1.0 - STANDS:
         return None
-    known, factor = dict[float, float](), _factors(structure, number)
+    known, factor_at = dict[float, float](), factors(structure, number)
 
     def at(place: float) -> float:
         if place not in known:
-            known[place] = factor(place, math.inf if first is None else min(known.values(), default=math.inf))
+            known[place] = factor_at(place, math.inf if first is None else min(known.values(), default=math.inf))
             progress(min(len(known), count))  # those around the least come last, and are few
         return known[place]
 
@@ -163,8 +163,8 @@ def _crossing(structure: LimitStructure, number: int, quiet: bool, first: float 
         even = np.linspace(low, high, count + 2)[1:-1].tolist()
         _look(at, even if first is None else [first, *even], CLOSE * (high - low))
     places = np.array(sorted(known))
-    factors = np.array([known[place] for place in places.tolist()])
-    return Crossing(number, words, places, factors, _spans(structure.made.fills[0]))
+    found = np.array([known[place] for place in places.tolist()])
+    return Crossing(number, words, places, found, _spans(structure.made.fills[0]))
 
 
 def _look(at: Callable[[float], float], places: Sequence[float], close: float) -> None:
@@ -180,7 +180,7 @@ def _look(at: Callable[[float], float], places: Sequence[float], close: float) -
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
-def _factors(structure: LimitStructure, number: int) -> Callable[[float, float], float]:
+def factors(structure: LimitStructure, number: int) -> Callable[[float, float], float]:
     """The largest factor of the vehicle by the place of its first axle, above ``enough`` a lower bound of it; all other loads are those
     that the structure has."""
     from masonry_cd.app.static_loads import live_alone

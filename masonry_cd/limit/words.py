@@ -38,6 +38,7 @@ def lines(case: LimitCase) -> list[str]:
         *([] if verdict is None else [verdict.line]),
         *found_lines(case),
         *([] if case.assumed.range is None else case.assumed.lines),
+        *([] if case.rating is None else case.rating.lines),
         *how,
         *_part_lines(case),
         *([] if case.check is None else case.check.lines(_checked_lines(case))),
