@@ -146,6 +146,17 @@ class LimitAnalysis(Sealed):
         return frame_of_rows(found["rows"], decides=found["decides"], range=found["range"])
 
     @property
+    def rating(self) -> DataFrame | None:
+        """The load rating by vehicle: ``axles`` [N], load factor ``computed`` as the scene states it, the ``factor`` that counts and what
+        ``decides`` it, ``ratio`` to the one asked, ``axle_load_n`` and ``axle_load_t`` borne with that, ``position`` of the first axle [m],
+        what ``gives_way``; ``attrs["level"]`` is the heaviest level of CS 454 that is borne.
+
+        None without a table ``[limit.rating]``.
+        """
+        found = self.summary["rating"]
+        return None if found is None else frame_of_rows(found["rows"], "vehicle", level=found["level"], asked=found["asked"])
+
+    @property
     def capacity(self) -> DataFrame | None:
         """The capacity curve, point by point: displacement of the control block [m], factor, what moves; ``attrs["end"]`` says why it ends.
 

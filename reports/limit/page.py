@@ -79,6 +79,7 @@ def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> 
         drawn=pictures({path: words or CAPTIONS[path.name] for path, words in drawn.items() if path.exists()}),
         ties=_ties(summary),
         assumed=_assumed(summary["assumed"]),
+        rated=_rated(summary["rating"]),
         certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
@@ -93,6 +94,8 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
     out.append(("mechanisms looked at", len(summary["mechanisms"]), ""))
     for one in (summary["check"] or {}).get("verdicts", []):
         out.append((f"{one['check']} check, {one['state']}: borne over asked for", number(one["ratio"], digits=3), ""))
+    if (rating := summary["rating"]) is not None:
+        out.append((f"heaviest level of CS 454 with a load factor of {rating['asked']:g}", rating["level"] or "none", ""))
     if (risk := (summary["check"] or {}).get("risk")) and risk["risk_class"]:
         out.append(("class of seismic risk", risk["risk_class"], ""))
     return out
@@ -144,6 +147,21 @@ def _assumed(assumed: Mapping[str, Any]) -> list[list[str]]:
         ]
         for row in (assumed["rows"] if assumed["range"] else ())
     ]  # fmt: skip
+
+
+def _rated(rating: Mapping[str, Any] | None) -> list[list[str]]:
+    """The vehicles of a load rating."""
+    rows = []
+    for row in () if rating is None else rating["rows"]:
+        axles = ", ".join(f"{1e-3 * load:.4g}" for load in row["axles"])
+        if row["axle_load_n"] is None:
+            rows.append([row["vehicle"], axles, "–", "–", "–", "–", "–", "–", "", row["why"]])
+            continue
+        found = ["–" if row["computed"] is None else _aligned(row["computed"]), _aligned(row["factor"]), _aligned(row["ratio"])]
+        borne = [_aligned(1e-3 * row["axle_load_n"]), _aligned(row["axle_load_t"])]
+        place = "–" if row["position"] is None else f"{row['position']:.4g}"
+        rows.append([row["vehicle"], axles, *found, *borne, place, ", ".join(row["gives_way"]), row["decides"]])
+    return rows
 
 
 def _ties(summary: Mapping[str, Any]) -> list[list[str]]:
