@@ -96,6 +96,15 @@ class RatingTable(Table):
     """Vehicles by name; all of them when not given, and that of the scene if it has axles of its own."""
 
 
+class ServiceTable(Table):
+    """The table ``[limit.service]``: the load factors up to which joints of a bridge need not open, and stresses stay small."""
+
+    factor: Annotated[float, Field(gt=0.0)] = 1.0
+    """Load factor of the vehicle in service, which both are to reach."""
+    stress: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """Share of the compressive strength that joints bear in service at most; stresses are not looked at when not given."""
+
+
 class LimitTable(Table):
     """The table ``[limit]``: what ``masonry-cd limit`` multiplies, and how it solves."""
 
@@ -124,6 +133,9 @@ class LimitTable(Table):
     """The capacity curve: the mechanism at finite displacements."""
     rating: RatingTable | None = None
     """Load rating of a bridge whose live load is a vehicle: the axle load of each vehicle at its worst place."""
+    service: ServiceTable | None = None
+    """Check of a bridge under a vehicle in service: the load factors at which joints have to open, and stresses pass a share of the
+    strength."""
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
     """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
 

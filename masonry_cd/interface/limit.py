@@ -157,6 +157,16 @@ class LimitAnalysis(Sealed):
         return None if found is None else frame_of_rows(found["rows"], "vehicle", level=found["level"], asked=found["asked"])
 
     @property
+    def service(self) -> DataFrame | None:
+        """The checks in service: ``check``, ``words``, the ``factor`` up to which it is met, ``asked``, ``position`` of the first axle [m],
+        ``met``.
+
+        None without a table ``[limit.service]``.
+        """
+        found = self.summary["service"]
+        return None if found is None else frame_of_rows(found["rows"], "check", asked=found["asked"])
+
+    @property
     def capacity(self) -> DataFrame | None:
         """The capacity curve, point by point: displacement of the control block [m], factor, what moves; ``attrs["end"]`` says why it ends.
 

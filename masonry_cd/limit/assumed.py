@@ -167,13 +167,25 @@ def _of_joints(structure: LimitStructure) -> Iterator[tuple[Row, LimitStructure]
         row = Row("crushing", "without crushing, of joints of any strength", None)
         yield row, replace(structure, assembly=replace(assembly, laws=replace(laws, crushing=0.0 * laws.crushing)))
     elif structure.made.fills:
-        named = material.masonry
-        strength = STRENGTH if named is None else named.strength
-        words = f"with joints that crush at {pressure(strength)} ({'assumed' if named is None else named.kind})"
+        named, (strength, source) = material.masonry, strength_of(structure)
+        words = f"with joints that crush at {pressure(strength)} ({source})"
         crushing = replace(laws, crushing=np.full_like(laws.crushing, strength))
         open_ = named is None or "crushing" not in named.model_fields_set
         row = Row("crushing", words, None, key=f"material.joints.compressive_strength={strength:g}", counts=open_)
         yield row, replace(structure, assembly=replace(assembly, laws=crushing))
+
+
+def strength_of(structure: LimitStructure) -> tuple[float, str]:
+    """The compressive strength of the joints of a bridge [Pa], the least where they differ, and where it is from."""
+    own, named = structure.assembly.laws.crushing, structure.scene.material.masonry
+    if own.any():
+        return float(own[own > 0.0].min()), "of the scene" if named is None else named.kind
+    return (STRENGTH, "assumed") if named is None else (named.strength, named.kind)
+
+
+def against_fill(structure: LimitStructure) -> tuple[Row, LimitStructure] | None:
+    """A bridge under live load whose fill does not resist, where its scene leaves that open, and the row of it."""
+    return next((one for one in _of_fill(structure, False) if one[0].assumed == "fill" and one[0].counts), None)
 
 
 def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[Row, LimitStructure]]:

@@ -33,6 +33,7 @@ from masonry_cd.limit.kept import Kept
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.rating import Rating, rating, refuse_rating
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
+from masonry_cd.limit.service import Service, refuse_service, service
 from masonry_cd.limit.vehicle import PATTERNS, Crossing, at_worst
 from masonry_cd.limit.whole import WholeAnalysis, analyse_whole, as_part
 from masonry_cd.mechanics.contact.find_joints import built_gap, loose_contacts
@@ -106,6 +107,13 @@ class LimitCase:
         return rating(self.structure, self.wanted.jobs or cores(), self.wanted.quiet)
 
     @cached_property
+    def service(self) -> Service | None:
+        """The checks in service; None where the scene does not ask for them, or the bridge does not stand."""
+        if self.structure.asked.service is None or self.whole is None or not self.whole.analysis.stands:
+            return None
+        return service(self.structure, self.wanted.quiet)
+
+    @cached_property
     def verdict(self) -> Verdict | None:
         """The verdict that all outputs show; None without a check."""
         return None if self.structure.asked.check is None else _verdict(self)
@@ -154,6 +162,7 @@ def limit_case(
     with_parts = wanted.parts or bool(scene.limit.get("mechanism"))
     structure, crossing = limit_structure(scene), None
     refuse_rating(structure)
+    refuse_service(structure)
     if whole_too := wanted.whole and (not with_parts or has_pattern(scene)):
         structure, crossing = at_worst(structure, wanted.quiet)
     with scene.locating():

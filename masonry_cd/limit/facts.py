@@ -31,6 +31,7 @@ def facts(case: LimitCase) -> dict[str, Any]:
         "mechanisms": [each.row for each in case.mechanisms],
         "parts": [_of_a_part(case, part) for part in case.parts],
         "assumed": case.assumed.numbers(),
+        "service": None if case.service is None else case.service.numbers(),
         "rating": None if case.rating is None else case.rating.numbers(),
         "check": None if case.check is None else case.check.numbers() | {"basis": _basis(case)},
         "hazard": None if case.scene.site is None or not case.scene.site.known else case.scene.site.numbers(),

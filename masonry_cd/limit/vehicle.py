@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import STANDS, NoFiniteFactor, at_rest, largest_factor
+from masonry_cd.analysis.limit.analysis import STANDS, Domain, NoFiniteFactor, at_rest, largest_factor
 from masonry_cd.analysis.limit.crushing import crushable, solved_finely
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.problem import plane_of, problem_at
@@ -85,7 +85,7 @@ def at_worst(structure: LimitStructure, quiet: bool = True, first: float | None 
     if number is None or "position" in scene.loads[number]:
         return middle, None
     with scene.locating():
-        found = _crossing(middle, number, quiet, first)
+        found = envelope(middle, number, quiet, first)
         place = _places(middle, number).low if found is None else float(found.position[found.worst])
     return structure.of(_placed(middle.scene, number, place)), found
 
@@ -142,15 +142,25 @@ def _places(structure: LimitStructure, number: int) -> Places:
     return kind.places(parse_load(given, where, structure.scene.folder), structure.made.fills, where)
 
 
-def _crossing(structure: LimitStructure, number: int, quiet: bool, first: float | None) -> Crossing | None:
-    """The envelope; None of a structure that does not stand, which the analysis then says."""
+def envelope(
+    structure: LimitStructure, number: int, quiet: bool = True, first: float | None = None, domain: Domain = crushable
+) -> Crossing | None:
+    """The factors of a vehicle, by its number, over its places; None of a structure that does not stand.
+
+    Args:
+        structure: with the vehicle at some place.
+        number: of the vehicle in ``[[loads]]``.
+        quiet: do not say how long it still takes.
+        first: see :func:`at_worst`.
+        domain: puts into a problem what its joints bear.
+    """
     from masonry_cd.app.progress import Progress
 
     low, high, words = _places(structure, number)
-    problem, alone = at_rest(structure.assembly, structure.joints, structure.loads().at())
+    problem, alone = at_rest(structure.assembly, structure.joints, structure.loads().at(), domain)
     if alone.factor < 1.0 - STANDS:
         return None
-    known, factor_at = dict[float, float](), factors(structure, number)
+    known, factor_at = dict[float, float](), factors(structure, number, domain)
 
     def at(place: float) -> float:
         if place not in known:
@@ -180,9 +190,9 @@ def _look(at: Callable[[float], float], places: Sequence[float], close: float) -
             values[0.5 * (place + ordered[k])] = at(0.5 * (place + ordered[k]))
 
 
-def factors(structure: LimitStructure, number: int) -> Callable[[float, float], float]:
+def factors(structure: LimitStructure, number: int, domain: Domain = crushable) -> Callable[[float, float], float]:
     """The largest factor of the vehicle by the place of its first axle, above ``enough`` a lower bound of it; all other loads are those
-    that the structure has."""
+    that the structure has. ``domain`` puts into a problem what its joints bear."""
     from masonry_cd.app.static_loads import live_alone
 
     scene, assembly, joints = structure.scene, structure.assembly, structure.joints
@@ -197,7 +207,7 @@ def factors(structure: LimitStructure, number: int) -> Callable[[float, float], 
     def factor(place: float, enough: float) -> float:
         there = replace(loads, live=others + live(scene.loads[number] | {"position": place}))
         axis = plane_of(assembly, there)
-        problem = crushable(problem_at(assembly, points(axis), there, axis), assembly, joints)
+        problem = domain(problem_at(assembly, points(axis), there, axis), assembly, joints)
         try:
             return solved_finely(problem, lambda finer: largest_factor(finer)[0], enough)[1].factor
         except NoFiniteFactor:

@@ -39,6 +39,7 @@ def lines(case: LimitCase) -> list[str]:
         *found_lines(case),
         *([] if case.assumed.range is None else case.assumed.lines),
         *([] if case.rating is None else case.rating.lines),
+        *([] if case.service is None else case.service.lines),
         *how,
         *_part_lines(case),
         *([] if case.check is None else case.check.lines(_checked_lines(case))),

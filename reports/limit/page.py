@@ -80,6 +80,7 @@ def write_limit_page(page: LimitPage, drawn: Mapping[Path, str], path: Path) -> 
         ties=_ties(summary),
         assumed=_assumed(summary["assumed"]),
         rated=_rated(summary["rating"]),
+        in_service=_in_service(summary["service"]),
         certificate=[[name, number(made[key]), words] for key, (name, words) in CERTIFICATE.items()] if made else [],
         command=" ".join(["masonry-cd limit scene.toml -o out", *page.options]),
         scene=page.scene,
@@ -162,6 +163,22 @@ def _rated(rating: Mapping[str, Any] | None) -> list[list[str]]:
         place = "–" if row["position"] is None else f"{row['position']:.4g}"
         rows.append([row["vehicle"], axles, *found, *borne, place, ", ".join(row["gives_way"]), row["decides"]])
     return rows
+
+
+def _in_service(service: Mapping[str, Any] | None) -> list[list[str | Badge]]:
+    """The checks in service."""
+    return [
+        [
+            row["words"], "dead loads alone do not" if row["factor"] is None and not row["met"] else _factor(row["factor"]),
+            f"{row['asked']:g}", "–" if row["position"] is None else f"{row['position']:.4g}",
+            Badge(f"verdict {STATES_OF_CHECKS['satisfied' if row['met'] else 'NOT satisfied']}", "met" if row["met"] else "not met"),
+        ]
+        for row in (() if service is None else service["rows"])
+    ]  # fmt: skip
+
+
+def _factor(factor: float | None) -> str:
+    return "any" if factor is None else _aligned(factor)
 
 
 def _ties(summary: Mapping[str, Any]) -> list[list[str]]:

@@ -83,9 +83,10 @@ def analysed(text: str, *changes: str) -> LimitCase:
     return limit_case(parse_scene(text, Path("arch.toml"), changes))
 
 
-def by_own_programme(arch: dict[str, float], share: float, strength: float = np.inf, cells: int = 2) -> float:
+def by_own_programme(arch: dict[str, float], share: float, strength: float = np.inf, cells: int = 2, inset: float = 0.0) -> float:
     """The static theorem for a ring of stones as one linear programme: pressures at places of each joint, shear below friction, fill that
-    pushes back up to a share of K_p, and the line of load spread evenly over its length and the depth below it (2:1)."""
+    pushes back up to a share of K_p, and the line of load spread evenly over its length and the depth below it (2:1); without a strength
+    pressures keep inside the joint by a share of its depth."""
     half, rise, count = 0.5 * arch["span"], arch["rise"], int(arch["voussoirs"])
     radius = (half**2 + rise**2) / (2.0 * rise)
     turn = np.linspace(-1.0, 1.0, count + 1) * np.arcsin(half / radius)
@@ -116,7 +117,7 @@ def by_own_programme(arch: dict[str, float], share: float, strength: float = np.
         way = 1.0 if zb > za else -1.0  # what rises to the right has its fill at the left, and is pushed to the right
         push[k] = [way, 0.0, -height * way]
     live /= abs(live[:, 1].sum()) / AXLE
-    place = (np.arange(cells) / (cells - 1)) if np.isinf(strength) else (np.arange(cells) + 0.5) / cells
+    place = inset + (1.0 - 2.0 * inset) * np.arange(cells) / (cells - 1) if np.isinf(strength) else (np.arange(cells) + 0.5) / cells
     joints = [(inner[k] + s * (outer[k] - inner[k]), np.array([ray[k][1], -ray[k][0]]), ray[k]) for k in range(count + 1) for s in place]
     unknowns = 2 * len(joints) + count + 1  # normal forces, shears, passive pushes, the factor
     equal, right = np.zeros((3 * count, unknowns)), -dead.ravel()

@@ -29,6 +29,8 @@ NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears
 RESTS = "whether it stands"
 NO_WORK = "the load does no work on any mechanism: no factor of it sets the structure in motion"
 
+Domain = Callable[[LimitProblem, Assembly, Joints], LimitProblem]  # puts into a problem what its joints bear
+
 
 class NoFiniteFactor(InputError):
     """Loads of which any multiple is borne: no mechanism on which they do work."""
@@ -253,15 +255,17 @@ def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
     )
 
 
-def at_rest(assembly: Assembly, joints: Joints, loads: Loads) -> tuple[LimitProblem, Optimum]:
+def at_rest(assembly: Assembly, joints: Joints, loads: Loads, domain: Domain = crushable) -> tuple[LimitProblem, Optimum]:
     """The largest share of the dead loads that a structure bears, at most 1, and the problem that this is of.
+
+    ``domain`` puts into a problem what its joints bear.
 
     Raises:
         InputError: a structure without supports, or no answer of the solver.
     """
     if not assembly.fixed.any():
         raise InputError("structure", "no block is fixed; a limit analysis needs at least one support")
-    problem = crushable(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
+    problem = domain(limit_problem(assembly, joints, replace(loads, support_velocity=None)), assembly, joints)
     return solved_finely(problem, _rests)
 
 

@@ -38,10 +38,10 @@ CRUSHES = 1e-6  # closing rate of a corner, as a share of the largest velocity, 
 def crushable(problem: LimitProblem, assembly: Assembly, joints: Joints) -> LimitProblem:
     """A problem whose joints crush where they have a strength; itself where none has."""
     found = sections(assembly, joints, problem.points, problem.axis)
-    return problem if found is None else _with_cells(_with_rates(problem, found), found)
+    return problem if found is None else with_cells(with_rates(problem, found), found)
 
 
-def _with_rates(problem: LimitProblem, found: Sections) -> LimitProblem:
+def with_rates(problem: LimitProblem, found: Sections) -> LimitProblem:
     """The closing rates of sections as unknowns; the uniform tension from which the cells' stress counts is a dead load of theirs."""
     count, each = len(found.joint), 1 + found.levers
     place = np.full(int(problem.points.joint.max()) + 1, -1)
@@ -62,7 +62,7 @@ def _with_rates(problem: LimitProblem, found: Sections) -> LimitProblem:
     )
 
 
-def _with_cells(problem: LimitProblem, found: Sections) -> LimitProblem:
+def with_cells(problem: LimitProblem, found: Sections) -> LimitProblem:
     """The cells of sections as bars behind the ties, in place of those that were there."""
     each, ties = 1 + found.levers, problem.ties
     cells = found.cells
@@ -124,7 +124,7 @@ def cut_where_it_crushes(problem: LimitProblem, best: Optimum) -> LimitProblem |
     crushes = found.closing(rate) > CRUSHES * float(np.abs(best.velocity).max(initial=0.0))
     if not crushes.any():
         return None
-    return _with_cells(problem, found.cut_for(rate, section_forces(problem, best), crushes))
+    return with_cells(problem, found.cut_for(rate, section_forces(problem, best), crushes))
 
 
 def solved_finely(
