@@ -9,7 +9,6 @@ is borne so.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -98,7 +97,10 @@ class Rating:
     def lines(self) -> list[str]:
         """The lines that are shown."""
         level = "none" if self.level is None else self.level
-        return [f"rating with a load factor of {self.asked:g}: heaviest level of CS 454 that is borne: {level}", *(r.line for r in self.rows)]
+        return [
+            f"rating with a load factor of {self.asked:g}: heaviest level of CS 454 that is borne: {level}",
+            *(r.line for r in self.rows),
+        ]
 
     def numbers(self) -> dict[str, Any]:
         """For limit.json."""
@@ -123,7 +125,7 @@ def rating(structure: LimitStructure, jobs: int, quiet: bool = True) -> Rating:
     own = [] if "name" in scene.loads[number] else [f"loads[{number}]"]
     names = [*own, *(table.vehicles or VEHICLES)]
     known = own_axles(scene.loads[number]) if own else ()
-    blank = [Rated(name, known if name in own else VEHICLES[name].loads, asked) for name in names]  # type: ignore[index]
+    blank = [Rated(name, known if name in own else VEHICLES[name].loads, asked) for name in names]
     with workers(jobs, system.INHERITS, _share, structure, number) if jobs > 1 and len(blank) > 1 else nullcontext() as pool:
         _share(structure, number)
         runs = [pool.submit(_one, row) for row in blank] if pool else []
@@ -211,8 +213,4 @@ def _with_outcome(row: Rated, found: WholeAnalysis, place: float) -> Rated:
 def _moving(found: WholeAnalysis) -> tuple[str, ...]:
     """The groups of the blocks that move, the rings of an arch as one."""
     assembly, moving = found.assembly, np.flatnonzero(found.collapse.mechanism.moving)
-    return _in_order([assembly.groups[g].split("_ring")[0] for g in assembly.group_of[moving]])
-
-
-def _in_order(names: Sequence[str]) -> tuple[str, ...]:
-    return tuple(sorted(set(names)))
+    return tuple(sorted({assembly.groups[g].split("_ring")[0] for g in assembly.group_of[moving]}))

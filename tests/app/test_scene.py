@@ -287,7 +287,8 @@ PURE = {
     *("above", "below"),  # of whatever a gauge shows
     *("return_period", "years", "nominal_life", "frequency", "probability"),  # in years, and per year
     *("hazard_factor", "return_factor", "material_damping"),  # of a spectrum, and of a soil
-    *("factor", "zeta_E", "pushes", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening
+    *("factor", "zeta_E", "pushes", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening; factors of a rating
+    "stress",  # share of the strength in service
 }
 """Keys whose numbers have no unit."""
 

@@ -75,7 +75,7 @@ def test_what_the_scene_leaves_open_is_assumed_against_the_bridge_as_in_its_verd
 
 def test_the_level_is_the_heaviest_of_which_every_axle_is_borne() -> None:
     def level(**tonnes: float) -> str | None:
-        factors = {name: 1.0 for name in VEHICLES} | {name.replace("_", " "): t for name, t in tonnes.items()}
+        factors = dict.fromkeys(VEHICLES, 1.0) | {name.replace("_", " "): t for name, t in tonnes.items()}
         rows = [Rated(name, VEHICLES[name].loads, 1.0, factor=factor) for name, factor in factors.items()]
         return Rating(1.0, tuple(rows)).level
 

@@ -17,7 +17,9 @@ STATED = ', spread = "2:1", passive = 0.5'
 
 
 def scene(arch: dict[str, float], fill: str = STATED, service: str = "stress = 0.5", more: str = "", material: str = "") -> Scene:
-    return parse_scene(text_of(arch, fill, more=more, material=material) + f"positions = 8\n[limit.service]\n{service}\n", Path("arch.toml"))
+    return parse_scene(
+        text_of(arch, fill, more=more, material=material) + f"positions = 8\n[limit.service]\n{service}\n", Path("arch.toml")
+    )
 
 
 def checked(given: Scene) -> Service:
