@@ -80,17 +80,6 @@ VEHICLES: dict[VehicleName, Known] = {
     "triple": _assessed(8.0, 3, 1.3),
     "triple 2.0": _assessed(7.0, 3, 1.0),
 }
-RESTRICTIONS: dict[str, dict[VehicleName, float]] = {
-    "normal traffic": {"single": 11.5, "double": 10.0, "double 1.3": 9.5, "double 1.0": 8.0, "triple": 8.0, "triple 2.0": 7.0},
-    "33 t": {"single": 11.5, "double 1.3": 9.5},
-    "26 t": {"single": 11.5, "double 1.3": 9.5},
-    "18 t": {"single": 11.5},
-    "13 t": {"single": 9.0},
-    "10 t": {"single": 7.0},
-    "7.5 t": {"single": 5.5},
-    "3 t": {"single": 2.0},
-}
-"""Assessment live loading levels of CS 454 revision 0, table 7.3.1a, the heaviest first, by the loads of their axles [t]."""
 
 
 def _numbers(value: object) -> tuple[float, ...] | None:

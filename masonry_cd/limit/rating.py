@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from loads.kinds.vehicle import RESTRICTIONS, TONNE, VEHICLES
+from loads.kinds.vehicle import TONNE, VEHICLES, VehicleName, VehicleTable
 from masonry_cd.app.progress import Progress
 from masonry_cd.foundation import system
 from masonry_cd.foundation.errors import InputError
@@ -33,6 +33,17 @@ if TYPE_CHECKING:
 
 KEPT = ("offset", "across")  # keys of the scene's vehicle that hold for each that is rated
 BY_ITSELF = "as the scene states it"
+RESTRICTIONS: dict[str, dict[VehicleName, float]] = {
+    "normal traffic": {"single": 11.5, "double": 10.0, "double 1.3": 9.5, "double 1.0": 8.0, "triple": 8.0, "triple 2.0": 7.0},
+    "33 t": {"single": 11.5, "double 1.3": 9.5},
+    "26 t": {"single": 11.5, "double 1.3": 9.5},
+    "18 t": {"single": 11.5},
+    "13 t": {"single": 9.0},
+    "10 t": {"single": 7.0},
+    "7.5 t": {"single": 5.5},
+    "3 t": {"single": 2.0},
+}
+"""Assessment live loading levels of CS 454 revision 0, table 7.3.1a, the heaviest first, by the loads of their axles [t]."""
 
 
 @dataclass(frozen=True)
@@ -139,8 +150,6 @@ def rating(structure: LimitStructure, jobs: int, quiet: bool = True) -> Rating:
 
 def own_axles(load: Mapping[str, Any]) -> tuple[float, ...]:
     """The axles that a load has of its own [N]."""
-    from loads.kinds.vehicle import VehicleTable
-
     return VehicleTable.model_validate(dict(load)).known.loads
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from loads.kinds.vehicle import RESTRICTIONS, TONNE, VEHICLES
+from loads.kinds.vehicle import TONNE, VEHICLES
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import limit_case
-from masonry_cd.limit.rating import Rated, Rating
+from masonry_cd.limit.rating import RESTRICTIONS, Rated, Rating
 
 TEXT = """
 [structure]
