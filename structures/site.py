@@ -42,7 +42,7 @@ KEYS = ("name", "at", "rotate")
 LEVEL = 1e-9  # of a size: closer than this is one height, and structures that overlap by less touch
 FARTHEST = 1e5  # of a place from the origin [m]
 
-Plan = np.ndarray
+Extent = np.ndarray
 
 
 def _near(place: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -176,7 +176,7 @@ def on_one_ground(structures: Sequence[Sequence[Block]]) -> list[list[Block]]:
     return out
 
 
-def _extent(blocks: Sequence[Block]) -> Plan | None:
+def _extent(blocks: Sequence[Block]) -> Extent | None:
     """Lowest and highest x and y of some blocks, (2, 2) [m]; None of none."""
     if not blocks:
         return None
@@ -184,7 +184,7 @@ def _extent(blocks: Sequence[Block]) -> Plan | None:
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
-def _overlap(a: Plan | None, b: Plan | None) -> bool:
+def _overlap(a: Extent | None, b: Extent | None) -> bool:
     """Return True if two extents overlap in plan by more than rounding."""
     if a is None or b is None:
         return False
@@ -231,7 +231,7 @@ def _directions(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.asarray(every[kept] / length[kept, None])
 
 
-def _on_its_part(blocks: Sequence[Block], planes: Sequence[tuple[np.ndarray, float]], whole: Plan) -> list[Block]:
+def _on_its_part(blocks: Sequence[Block], planes: Sequence[tuple[np.ndarray, float]], whole: Extent) -> list[Block]:
     """A structure whose supports are cut by planes; a ground that is one upright prism first reaches over the whole plan."""
     supports = [block for block in blocks if block.fixed]
     if any(block.parts for block in supports):
@@ -247,7 +247,7 @@ def _on_its_part(blocks: Sequence[Block], planes: Sequence[tuple[np.ndarray, flo
     return kept
 
 
-def _drawn_out(ground: Block, whole: Plan) -> Block | None:
+def _drawn_out(ground: Block, whole: Extent) -> Block | None:
     """A ground over the whole plan (2, 2) [m]; None where it is no upright prism with a level top."""
     z = ground.vertices[:, 2]
     low, high = float(z.min()), float(z.max())
