@@ -45,6 +45,8 @@ class AssessTable(Table):
     """Shares of critical damping, where joints are elastic."""
     members: Annotated[Count, Field(ge=3, le=1000)] = 8
     """Members of the ensemble that shows the effect of chance."""
+    samples: Annotated[Count, Field(ge=20, le=100_000)] | None = None
+    """Runs in which all properties of the structure vary at once, for ``--global``; ten for each of them when not given."""
     leave_out: Annotated[tuple[str, ...], Field(strict=False, json_schema_extra=_or_one_of)] = ()
     """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "soil stiffness", "damping",
     "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""

@@ -17,6 +17,9 @@ def assess(
     output: Output,
     set_: Changes = None,
     all_pairs: Annotated[bool, typer.Option("--all-pairs", help="Two levels of every two assumptions together as well.")] = False,
+    at_once: Annotated[
+        bool, typer.Option("--global", help="All properties of the structure varied at once as well, and the share of each in the answer.")
+    ] = False,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="all cores")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Say how many runs there are, and make none.")] = False,
@@ -31,6 +34,9 @@ def assess(
     step and the tolerance; the scene as it is runs again as a small ensemble, which shows what chance does. A scene with a table [limit]
     has its load factor among the answers. Ranges of its own stand in the table [assess].
 
+    With --global further runs vary all properties of the structure at once. A surrogate through them gives Sobol indices: the share of the
+    variance of each answer that a property explains by itself, and with the others. They are refused where the surrogate is poor.
+
     DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. The same command again continues where the
     last one ended.
 
@@ -39,6 +45,7 @@ def assess(
       masonry-cd assess examples/arch.toml -o out/arch_assess
       masonry-cd assess church.toml -o out/church_assess --workers 2
       masonry-cd assess church.toml -o out/church_assess --all-pairs
+      masonry-cd assess church.toml -o out/church_assess --global --plan
     """
     from masonry_cd.app.scene import read_scene
     from masonry_cd.foundation.errors import InputError
@@ -49,7 +56,7 @@ def assess(
     if report:
         found = command.report(output)
     else:
-        made = AssessPlan(read_scene(scene, set_ or ()), all_pairs)
+        made = AssessPlan(read_scene(scene, set_ or ()), all_pairs, at_once)
         if plan:
             return Result(None, [command.cost_in_words(made)])
         options = Options(made.where(workers), retry, force, quiet=quiet, warn=warn)

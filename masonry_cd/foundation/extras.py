@@ -24,6 +24,7 @@ EXTRA_OF = {
     "distributed": "studies",
     "dask": "studies",
     "pyarrow": "studies",
+    "sklearn": "studies",
     "pandas": "tables",
     "xarray": "tables",
     "obspy": "records",
@@ -33,6 +34,7 @@ EXTRA_OF = {
 SOLD_AS = {
     "PIL": "Pillow",
     "skfem": "scikit-fem",
+    "sklearn": "scikit-learn",
     "vtkmodules": "VTK",
     "dask_jobqueue": "dask-jobqueue",
 }  # packages of another name

@@ -21,7 +21,7 @@ from masonry_cd.interface.sealed import Sealed
 from masonry_cd.interface.studies import warn, without_main
 from masonry_cd.interface.tables import frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder, place_of
-from reports.assess.outputs import COLUMNS, cells_of
+from reports.assess.outputs import COLUMNS, cells_of, index_rows
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -74,6 +74,11 @@ class Assessment(Sealed):
         rows = [{"assumption": name, "answer": answer} | bar for name, bars in self._found.bars().items() for answer, bar in bars.items()]
         return frame_of_rows(rows, "assumption")
 
+    @cached_property
+    def indices(self) -> DataFrame:
+        """A row per answer and property of runs in which all vary at once: Sobol indices, their bands, and the surrogate's error."""
+        return frame_of_rows(index_rows(self._found), "answer")
+
     @property
     def lines(self) -> list[str]:
         """The verdict, what to pin down first, what chance does, what was not varied: the closing lines of the command line."""
@@ -118,6 +123,7 @@ def assess(
     folder: str | os.PathLike[str] | None = None,
     *,
     all_pairs: bool = False,
+    at_once: bool = False,
     workers: int | None = None,
     progress: bool = True,
     retry: bool = False,
@@ -130,6 +136,7 @@ def assess(
         folder: for the results, made if need be; runs that have ended there are not made again. By default a temporary one that lasts as
             long as the assessment that is returned.
         all_pairs: two levels of every two assumptions as well.
+        at_once: runs in which all properties of the structure vary at once as well, for Sobol indices.
         workers: processes of this machine; all cores when not given.
         progress: say on standard error how far it is.
         retry: make runs again that failed or timed out.
@@ -153,7 +160,7 @@ def assess(
     from masonry_cd.studies.study.study_case import Options
 
     place, keeper = place_of(folder)
-    plan = AssessPlan(scene(source).checked, all_pairs)
+    plan = AssessPlan(scene(source).checked, all_pairs, at_once)
     with without_main():
         result = command(plan, place, Options(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))
     returned(result)

@@ -19,6 +19,7 @@ from masonry_cd.analysis.assessment.assessment import (
     Member,
     read_assessment,
 )
+from masonry_cd.analysis.assessment.indices import LARGEST_ERROR
 from masonry_cd.analysis.assessment.verdict import (
     between,
     heading,
@@ -36,7 +37,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import plain, write_csv
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import counted
-from reports.assess.picture import PICTURE, tornado
+from reports.assess.picture import INDICES, PICTURE, shares, tornado
 from reports.page.document import Head, pictures, rows_of_many, write_document
 from reports.study.tables import DIGITS
 
@@ -51,7 +52,7 @@ WIDEST = 44  # characters of a reason in the terminal
 
 def write_table(found: Assessment, path: Path) -> None:
     """Write assess.csv: a row per run, SI units, all digits."""
-    rows = ([*heading(one), *cells_of(one), one.run] for one in found.members)
+    rows = ([*heading(one), *cells_of(one), one.run] for one in (*found.members, *found.sampled))
     write_csv(path, ["assumption", "level", *COLUMNS, "run"], rows)
 
 
@@ -126,11 +127,42 @@ CAPTION = (
     "chance. A full bar is longer than chance makes it in 19 of 20 cases, and than a twentieth of the base case; a hollow one is not. A "
     "white diamond is the case that the levels of an assumption are compared with where that is not the base case."
 )
+SHARES = (
+    "All properties of the structure varied at once, each over the range of its levels: the share of the variance of an answer that one "
+    "explains by itself (full) and with all that it does together with others (hollow). Whiskers are 95 % bands, from draws of "
+    "the surrogate."
+)
 READ = (
     "The base case is the scene as it is. Chance is judged by the studentised range of as many runs as a "
     f"bar has (Tukey's test), and a difference under {100 * FELT:.0f} % of the base case counts as none. Assumptions are ranked by the "
     "share of the range of each answer that their bars take."
 )
+
+
+def index_rows(found: Assessment) -> list[dict[str, Any]]:
+    """Sobol indices with their bands and the error of the surrogate, a row per answer and property."""
+    rows = []
+    for answer, one in found.indices.items():
+        for k, unknown in enumerate(found.unknowns):
+            row: dict[str, Any] = {"answer": answer.key, "property": unknown.name, "varied": unknown.span}
+            for name, values, (low, high) in (("first", one.first, one.first_band), ("total", one.total, one.total_band)):
+                row |= {name: values[k], f"{name}_low": low[k], f"{name}_high": high[k]}
+            rows.append(row | {"surrogate_error": one.error, "runs": one.runs, "refused": one.refused})
+    return rows
+
+
+def _index_cells(found: Assessment) -> list[list[str]]:
+    """The rows of a table of indices for people; of an answer without any, why."""
+    rows = []
+    for answer, one in found.indices.items():
+        for k, unknown in enumerate(found.unknowns):
+            bands = ((one.first, one.first_band), (one.total, one.total_band))
+            cells = [f"{values[k]:z.2f} ({low[k]:z.2f} to {high[k]:z.2f})" for values, (low, high) in bands]
+            rows += [[answer.name if k == 0 else "", unknown.name, unknown.span, *cells, f"{100 * one.error:.0f} %" if k == 0 else ""]] * (
+                not one.refused
+            )
+        rows += [[answer.name, one.refused, "", "", "", ""]] * bool(one.refused)
+    return rows
 
 
 def write_assessment(folder: Path) -> Assessment:
@@ -141,12 +173,13 @@ def write_assessment(folder: Path) -> Assessment:
     """
     found = read_assessment(folder)
     own_files.begin(folder, FILES, lambda _: True)  # which assess.json proves, read above
-    own_files.remove(folder, (PICTURE,))
+    own_files.remove(folder, (PICTURE, INDICES))
     drawn = []
     write_table(found, folder / CSV)
     if found.base.row.done:
         tornado(found, folder / PICTURE)
         drawn = [folder / PICTURE]
+        drawn += [folder / INDICES] if shares(found, folder / INDICES) else []
     write_page(found, drawn, folder / PAGE)
     write_json(folder / FILE, {"found": facts_of(found)} | found.as_dict(), DIGITS)
     return found
@@ -165,6 +198,7 @@ def facts_of(found: Assessment) -> dict[str, Any]:
         "chance": {answer.key: list(found.chance(answer)) for answer in found.answers},
         "range": {answer.key: list(found.range(answer)) for answer in found.answers},
         "bars": found.bars(),
+        **({"indices": index_rows(found)} if found.sampled else {}),
         "lines": lines_of(found),
         "warnings": warnings_of(found),
     }
@@ -182,10 +216,17 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
             ["What was found, the assumption to pin down first at the top", *lines_of(found)[1:]],
             warnings_of(found),
             _tiles(found),
-            rows_of_many(found.scene, found.program, f"{', '.join(one.name for one in found.assumptions)}; one at a time"),
+            rows_of_many(
+                found.scene,
+                found.program,
+                f"{', '.join(one.name for one in found.assumptions)}; one at a time{', and at once' if found.sampled else ''}",
+            ),
             on_the_whole(found),
         ),
-        drawn=pictures(dict.fromkeys(drawn, CAPTION)),
+        drawn=pictures({path: CAPTION if path.name == PICTURE else SHARES for path in drawn}),
+        indices=_index_cells(found),
+        samples=len(found.sampled),
+        limit=f"{100 * LARGEST_ERROR:.0f} %",
         columns=("assumption", "level", *heads(found), "remark"),
         rows=[*rows_of(found)],
         assumed=_assumed(found),
@@ -194,7 +235,7 @@ def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
 
 def _tiles(found: Assessment) -> list[tuple[str, object, str]]:
     """The numbers at the head."""
-    out: list[tuple[str, object, str]] = [("runs", len({one.run for one in found.members if one.row.done}), "")]
+    out: list[tuple[str, object, str]] = [("runs", len({one.run for one in (*found.members, *found.sampled) if one.row.done}), "")]
     for answer in found.answers:
         low, high = found.range(answer)
         out.append((f"{answer.name}, base case", f"{shown(answer, found.base.of(answer)) or 'none'} {answer.unit}".strip(), ""))

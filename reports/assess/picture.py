@@ -16,7 +16,7 @@ from masonry_cd.analysis.damage.grades import NAMES
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.drawing.plots import halo, sheet
 
-PICTURE = "assess.png"
+PICTURE, INDICES = "assess.png", "assess_global.png"
 FULL, HOLLOW, BAND, LINE = "#d55e00", "#ffffff", "#d3d9df", "#7a838c"
 HEIGHT = 0.46  # of a bar, in rows
 ROW, ABOVE, PANEL = 0.62, 1.1, 5.0  # [inches]: height of a row, of what else a panel needs, and its width
@@ -38,6 +38,33 @@ def tornado(found: Assessment, path: Path) -> None:
     for place, (axes, answer) in enumerate(zip(panels, answers, strict=True)):
         _panel(axes, found, known, answer, first=place % across == 0)
     save(figure, path)
+
+
+def shares(found: Assessment, path: Path) -> bool:
+    """Draw the Sobol indices of the answers that have some; return False where none has."""
+    there = {answer: one for answer, one in found.indices.items() if not one.refused}
+    if not there:
+        return False
+    order = np.argsort(-np.mean([one.total for one in there.values()], axis=0))
+    rows = -(-len(there) // BESIDE)
+    across = -(-len(there) // rows)
+    size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * len(order)))
+    facts = f"share of the variance; full: by itself; hollow: with others; whiskers: 95 %; {len(found.sampled)} runs"
+    figure, panels = sheet(f"{found.title}: all varied at once", facts, len(there), size, rows)
+    for place, (axes, (answer, one)) in enumerate(zip(panels, there.items(), strict=True)):
+        plain_axes(axes, "", f"{answer.name} (error of the surrogate {100 * one.error:.0f} %)")
+        at = np.arange(len(order))
+        for values, band, height, colour in ((one.total, one.total_band, HEIGHT, HOLLOW), (one.first, one.first_band, 0.5 * HEIGHT, FULL)):
+            axes.barh(at, values[order], height, color=colour, edgecolor=FULL, linewidth=1.2, zorder=2)
+            up = 0.3 * HEIGHT if colour == HOLLOW else 0.0
+            axes.hlines(at - up, band[0][order], band[1][order], color=INK, linewidth=1.2, zorder=4)
+        names = [found.unknowns[k].name for k in order]
+        axes.set_yticks(at, names if place % across == 0 else [""] * len(names), fontsize=11)
+        axes.set_ylim(len(names) - 0.4, -0.6)
+        axes.set_xlim(min(0.0, float(one.first_band[0].min())) - 0.01, 1.05)
+        axes.grid(axis="y", visible=False)
+    save(figure, path)
+    return True
 
 
 def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, first: bool) -> None:

@@ -233,6 +233,56 @@ def test_all_pairs_have_two_levels_of_each_two() -> None:
             scene_of_run(plan.maker.tables(run.asked))
 
 
+# --- all at once ----------------------------------------------------------------------------------------------------------------------
+
+
+def test_all_properties_vary_at_once_and_settings_of_the_computation_do_not() -> None:
+    plan = AssessPlan(scene(assess={"samples": 20}), at_once=True)
+    drawn = [(part, run) for part, run in zip(plan.parts, plan.runs, strict=True) if part.kind == "global"]
+    assert len(drawn) == 20
+    assert [one.name for one in plan.unknown] == ["joint stiffness", "friction", "block size", "damping"]
+    for part, run in drawn:
+        made, u = scene_of_run(plan.maker.tables(run.asked)), dict(zip((one.name for one in plan.unknown), part.at, strict=True))
+        assert made.material.joint_moduli[0] == pytest.approx(0.7e9 * (3.3 / 0.7) ** u["joint stiffness"])
+        assert made.material.friction == pytest.approx(0.4 + 0.2 * u["friction"])
+        assert made.material.joints["default"].damping == pytest.approx(0.05 * u["damping"])
+        assert (made.run.dt, made.run.tolerance) == (2e-3, 1e-5)
+    more = AssessPlan(scene(assess={"samples": 30}), at_once=True)
+    assert {run.name for run in plan.runs} < {run.name for run in more.runs}
+    assert len(AssessPlan(scene(), at_once=True).parts) == len(AssessPlan(scene()).parts) + 40
+    rigid = AssessPlan(scene(assess={"leave_out": ["joint stiffness"]}), at_once=True)
+    assert [one.name for one in rigid.unknown] == ["friction", "block size"]
+
+
+def test_changes_of_one_structure_follow_each_other() -> None:
+    plan = AssessPlan(scene_bridge(), all_pairs=True)
+    pairs = {tuple(part.values().items()): run for part, run in zip(plan.parts, plan.runs, strict=True) if part.kind == "pair"}
+    size, bond = ("block size", "x 0.7"), ("bond", "rings as one")
+    both = plan.maker.tables(pairs[size, bond].asked)["structure"]["spans"][0]
+    assert (both["rings"], both["voussoirs"]) == (1, 10)
+
+
+def test_fewer_than_two_properties_are_refused() -> None:
+    with pytest.raises(InputError, match="assess.leave_out: fewer than two properties are left to vary at once"):
+        AssessPlan(scene(limit={"push": "y"}, loads=[], assess={"leave_out": ["block size"]}), at_once=True)
+
+
+def test_indices_of_a_load_factor_are_on_the_page_and_in_the_files(tmp_path: Path) -> None:
+    tables = WALL | {"limit": {"push": "y"}, "loads": [], "assess": {"samples": 20}, "material": {"density": 2000.0, "friction": 0.15}}
+    result = command(tmp_path, tables, "--workers", "1", "--global")
+    assert result.exit_code == 0, result.output
+    assert "all at once, 20 runs: load factor: of its variance friction 100 %" in result.stdout  # it slides before it overturns
+    facts = json.loads((tmp_path / "out" / "assess.json").read_text())
+    first = {one["property"]: one["first"] for one in facts["found"]["indices"]}
+    assert first == pytest.approx({"friction": 1.0, "block size": 0.0}, abs=0.03)
+    assert "All varied at once" in (tmp_path / "out" / "assess.html").read_text()
+    assert (tmp_path / "out" / "assess_global.png").is_file()
+    single = command(tmp_path, tables, "--workers", "1")
+    assert single.exit_code == 0, single.output
+    assert not (tmp_path / "out" / "assess_global.png").exists()
+    assert "sampled" not in json.loads((tmp_path / "out" / "assess.json").read_text())
+
+
 def test_a_run_answers_with_residual_opening_and_grade(tmp_path: Path) -> None:
     plan = AssessPlan(
         scene(run={"dt": 4e-3, "duration": 0.02, "longest": 0.04}, limit={"push": "y"}, loads=[WALL["loads"][0] | {"cycles": 0.01}])

@@ -20,14 +20,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.analysis.assessment.indices import Indices, Unknown, indices_of
 from masonry_cd.analysis.outputs import ANSWER, numbers_in
 from masonry_cd.analysis.run_row import RunRow, row_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 
 FILE = "assess.json"
-BASE, ENSEMBLE, LEVEL, PAIR = "base", "ensemble", "level", "pair"
-BESIDE = ("kind", "values", "run", "member")  # keys of a run in the file that are no part of its row
+BASE, ENSEMBLE, LEVEL, PAIR, GLOBAL = "base", "ensemble", "level", "pair", "global"
+BESIDE = ("kind", "values", "run", "member", "at")  # keys of a run in the file that are no part of its row
 UNSETTLED = "weight at once"  # remark on a run whose joints would not settle under their weight before it
 LEAST = 3  # members of an ensemble that is one
 CONFIDENCE = 0.95  # of the test against chance
@@ -55,11 +56,12 @@ DISPLACEMENT, GRADE, FACTOR = (
 class Member:
     """A run: its place in the assessment, and its row; an empty one where it is still to be made."""
 
-    kind: str  # base | ensemble | level | pair
+    kind: str  # base | ensemble | level | pair | global
     values: Mapping[str, str]  # levels by assumption
     row: RunRow
     run: str = ""  # its name
     number: int = 0  # of a member of the ensemble
+    at: tuple[float, ...] = ()  # point of the unit cube where all vary at once
 
     @property
     def missed(self) -> bool:
@@ -74,7 +76,7 @@ class Member:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         row = replace(self.row, parts={}).as_dict() | {"run": self.run, "member": self.number} if self.row.status else {}
-        return {"kind": self.kind, "values": dict(self.values), **row}
+        return {"kind": self.kind, "values": dict(self.values), **({"at": list(self.at)} if self.at else {}), **row}
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,17 @@ class Assessment:
     left_out: tuple[tuple[str, str], ...]  # names and why
     members: tuple[Member, ...]
     program: str = ""  # its version
+    unknowns: tuple[Unknown, ...] = ()  # of runs in which they all vary at once
+    sampled: tuple[Member, ...] = ()  # these runs
+
+    @cached_property
+    def indices(self) -> dict[Answer, Indices]:
+        """Sobol indices of each answer, where all unknowns were varied at once; empty where they were not."""
+        out, u = {}, np.array([one.at for one in self.sampled])
+        for answer in self.answers if self.sampled else ():
+            values = np.array([one.of(answer) for one in self.sampled])
+            out[answer] = indices_of(self.unknowns, u, values, FELT * abs(self.base.of(answer)))
+        return out
 
     @cached_property
     def base(self) -> Member:
@@ -223,7 +236,11 @@ class Assessment:
             "assumptions": [vars(one) for one in self.assumptions],
             "left_out": [{"assumption": name, "why": why} for name, why in self.left_out],
             "members": [one.as_dict() for one in self.members],
-        }
+        } | (
+            {"unknowns": [one._asdict() for one in self.unknowns], "sampled": [one.as_dict() for one in self.sampled]}
+            if self.sampled
+            else {}
+        )
 
     @staticmethod
     def _of(members: Sequence[Member], answer: Answer) -> np.ndarray:
@@ -245,13 +262,18 @@ def read_assessment(folder: Path) -> Assessment:
         known = tuple(
             Known(**{**one, "levels": tuple(one["levels"]), "coarser": tuple(one.get("coarser", ()))}) for one in facts["assumptions"]
         )
-        members = tuple(
-            Member(one["kind"], one["values"], row_of(one, BESIDE), one.get("run", ""), one.get("member", 0)) for one in facts["members"]
-        )
+        members, sampled = (tuple(_member(one) for one in facts.get(key, ())) for key in ("members", "sampled"))
+        unknowns = tuple(Unknown(one["name"], one["span"], tuple(one["choices"])) for one in facts.get("unknowns", ()))
         left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])
-        return Assessment(facts["title"], facts["scene"], known, left, members, facts.get("program", ""))
+        return Assessment(facts["title"], facts["scene"], known, left, members, facts.get("program", ""), unknowns, sampled)
     except (ValueError, KeyError, TypeError, OSError) as fault:
         raise InputError(file, f"is no assessment: {fault}") from None
+
+
+def _member(facts: Mapping[str, Any]) -> Member:
+    """A run as the file has it."""
+    more = (facts.get("run", ""), facts.get("member", 0), tuple(facts.get("at", ())))
+    return Member(facts["kind"], facts["values"], row_of(dict(facts), BESIDE), *more)
 
 
 @lru_cache

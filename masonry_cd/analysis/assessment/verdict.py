@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
+from masonry_cd.analysis.assessment.indices import LARGEST_ERROR, Indices
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.verdict import ENOUGH
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
@@ -25,7 +26,7 @@ def lines_of(found: Assessment) -> list[str]:
     out = [f"{found.title}: {verdict(found)}"]
     out += [_pin_line(found, one, place) for place, one in enumerate(to_pin_down(found), 1)]
     out += [f"ensemble of {sum(one.row.done for one in found.ensemble)}: {_spreads(found)}"] if len(found.ensemble) > 1 else []
-    out += _pair_lines(found)
+    out += [*_pair_lines(found), *_index_lines(found)]
     return out + [f"not varied: {name}: {why}" for name, why in found.left_out]
 
 
@@ -82,6 +83,8 @@ def warnings_of(found: Assessment) -> list[str]:
     out = [f"{place_of(one)}: no data: {_why(one)}" for one in found.members if one.row.status and not one.row.done]
     waiting = sum(not one.row.status for one in found.members)
     out += [f"{waiting} of {len(found.members)} runs are still to be made"] if waiting else []
+    lost = [one for one in found.sampled if not one.row.done]
+    out += [f"{len(lost)} of {len(found.sampled)} runs with all varied at once are no data: {_why(lost[0])}"] if lost else []
     out += [f"{place_of(one)}: no load factor: {one.row.limit_reason}" for one in found.members if one.row.done and one.row.limit_reason]
     done = [one for one in found.members if one.row.done]
     ungraded = [one for one in done if "grade" in one.row.numbers and one.row.number("grade_number") is None]
@@ -192,6 +195,24 @@ def _pair_lines(found: Assessment) -> list[str]:
         for pair, by in clear[:NAMED]
     )
     return [f"pairs: {len(clear)} of {len(every)} differ in their {answer.name} from what their two levels do alone: {said}"]
+
+
+def _index_lines(found: Assessment) -> list[str]:
+    """``all at once, 60 runs: largest displacement: friction explains 62 % (41 % by itself), ...``; or why there are no indices."""
+    out = []
+    for answer, one in found.indices.items():
+        if one.refused:
+            out.append(f"all at once: {answer.name}: no indices, {one.refused}")
+            continue
+        most = np.argsort(-one.total)[:NAMED]
+        said = ", ".join(f"{found.unknowns[k].name} {100 * one.total[k]:.0f} % ({100 * one.first[k]:.0f} % by itself)" for k in most)
+        out.append(f"all at once, {one.runs} runs: {answer.name}: of its variance {said}; {error_in_words(one)}")
+    return out
+
+
+def error_in_words(one: Indices) -> str:
+    """Describe the cross-validation of a surrogate."""
+    return f"the surrogate misses runs left out by {100 * one.error:.0f} % of their spread (limit {100 * LARGEST_ERROR:.0f} %)"
 
 
 def _named(known: Sequence[Known]) -> str:

@@ -76,6 +76,7 @@ FOLDERS: dict[str, dict[str, str]] = {
         "assess.csv": "every run: what was varied, and what came of it",
         "assess.json": "what is varied, and what decides",
         "assess.png": "the tornado",
+        "assess_global.png": "Sobol indices, with --global",
         "assess.html": "the page with all of it",
     },
     "study": {

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from masonry_cd import __version__
-from masonry_cd.analysis.assessment.assessment import FILE, Assessment, Member
+from masonry_cd.analysis.assessment.assessment import FILE, GLOBAL, Assessment, Member
 from masonry_cd.analysis.assessment.verdict import lines_of, warnings_of
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.app.doubts import doubts
@@ -52,7 +52,9 @@ def cost_in_words(plan: AssessPlan) -> str:
     """How many runs there are, and how long they take in terms of the base case."""
     once = {run.name: run.weight for run in plan.runs}
     work = sum(once.values()) / plan.runs[0].weight
-    return f"{plan.maker.study.title}: {len(once)} runs, which cost about as much as {work:.0f} of the base case"
+    sampled = len({run.name for part, run in zip(plan.parts, plan.runs, strict=True) if part.kind == GLOBAL})
+    all_vary = f", {sampled} of them with {len(plan.unknown)} properties varied at once" if sampled else ""
+    return f"{plan.maker.study.title}: {len(once)} runs{all_vary}, which cost about as much as {work:.0f} of the base case"
 
 
 def assessment_of(plan: AssessPlan, rows: Mapping[str, RunRow]) -> Assessment:
@@ -61,9 +63,11 @@ def assessment_of(plan: AssessPlan, rows: Mapping[str, RunRow]) -> Assessment:
     for part, run in zip(plan.parts, plan.runs, strict=True):
         row = rows.get(run.name, RunRow())
         of = (run.name, part.member) if row.status else ("", 0)
-        members.append(Member(part.kind, part.values(), row, *of))
+        members.append(Member(part.kind, part.values(), row, *of, part.at))
     left, study = tuple((one.name, one.why) for one in plan.left_out), plan.maker.study
-    return Assessment(study.title, study.scene_name, tuple(one.known for one in plan.known), left, tuple(members), __version__)
+    single, sampled = (tuple(one for one in members if (one.kind == GLOBAL) == at_once) for at_once in (False, True))
+    known, unknowns = tuple(one.known for one in plan.known), tuple(one.unknown for one in plan.unknown)
+    return Assessment(study.title, study.scene_name, known, left, single, __version__, unknowns, sampled)
 
 
 def check_statics(plan: StudyPlan) -> list[str]:
