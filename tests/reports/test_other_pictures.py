@@ -29,6 +29,7 @@ from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from reports.assess.outputs import FILES, write_assessment
+from reports.assess.picture import INDICES
 from reports.drawing.figure import COLUMN, MARGIN, TITLE, WIDTH, Sheet, layout
 from reports.drawing.palette import CRUSHED, FAULTY, INK
 from reports.drawing.parts import Lines, view_named
@@ -123,7 +124,7 @@ FAILED = RunRow("failed", "blocks <overlap>", 0.1)
 def test_all_files_are_written_and_say_the_same(tmp_path: Path) -> None:
     found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row(120.0, steps_missed=3)})
     write_assessment(written(tmp_path, found))
-    assert {file.name for file in tmp_path.glob("[!.]*")} == set(FILES)
+    assert {file.name for file in tmp_path.glob("[!.]*")} == set(FILES) - {INDICES}
     facts = json.loads((tmp_path / "assess.json").read_text(encoding="utf-8"))
     assert facts["found"]["verdict"].startswith("between D2 and D4; joint stiffness decides; ")
     assert facts["found"]["bars"]["joint stiffness"]["displacement_max"]["shows"] is True

@@ -263,7 +263,7 @@ def test_changes_of_one_structure_follow_each_other() -> None:
 
 
 def test_fewer_than_two_properties_are_refused() -> None:
-    with pytest.raises(InputError, match="assess.leave_out: fewer than two properties are left to vary at once"):
+    with pytest.raises(InputError, match=r"assess\.leave_out: fewer than two properties are left to vary at once"):
         AssessPlan(scene(limit={"push": "y"}, loads=[], assess={"leave_out": ["block size"]}), at_once=True)
 
 

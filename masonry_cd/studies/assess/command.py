@@ -45,7 +45,7 @@ def report(folder: Path) -> Result[Assessment | None]:
 
     found = write_assessment(folder)
     table = [text_table(found), ""] if found.base.row.done else []
-    return Result(found, [*table, *lines_of(found)], warnings_of(found), [folder / name for name in FILES])
+    return Result(found, [*table, *lines_of(found)], warnings_of(found), [folder / name for name in FILES if (folder / name).exists()])
 
 
 def cost_in_words(plan: AssessPlan) -> str:
