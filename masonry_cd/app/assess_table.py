@@ -13,7 +13,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.friction import ROUGHEST
 from masonry_cd.mechanics.model.usual import DAMPING, FRICTION, YOUNG
 
-STRUCTURAL = ("joint stiffness", "friction", "block size", "bond", "soil stiffness")
+STRUCTURAL = ("joint stiffness", "friction", "block size", "bond", "bond energy", "stone strength", "soil stiffness")
 NUMERICAL = ("damping", "joint points", "time step", "tolerance")
 Modulus = Annotated[Number, Unit("Pa"), YOUNG, Field(gt=0)]
 _RANGE = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": ROUGHEST}, "minItems": 2, "maxItems": 2}
@@ -48,8 +48,9 @@ class AssessTable(Table):
     samples: Annotated[Count, Field(ge=20, le=100_000)] | None = None
     """Runs in which all properties of the structure vary at once, for ``--global``; ten for each of them when not given."""
     leave_out: Annotated[tuple[str, ...], Field(strict=False, json_schema_extra=_or_one_of)] = ()
-    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "soil stiffness", "damping",
-    "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread", "fill pressure", "fill angle"."""
+    """Assumptions that are known, and not varied: "joint stiffness", "friction", "block size", "bond", "bond energy", "stone strength",
+    "soil stiffness", "damping", "joint points", "time step", "tolerance", and of bridges "fill resistance", "fill spread",
+    "fill pressure", "fill angle"."""
 
     @field_validator("friction", mode="before")
     @classmethod

@@ -136,6 +136,30 @@ def test_larger_blocks_that_find_no_place_are_left_out_and_the_plan_says_why() -
     assert [one.name for one in known.left_out if one.name.startswith("block size")] == ["block size"]
 
 
+def test_bonds_that_soften_and_stones_that_crack_are_varied_and_every_level_can_be_built() -> None:
+    law = {"normal_stiffness": 2e10, "cohesion": 1.5e5, "tension": 1e5, "fracture_energy": 0.4, "shear_fracture_energy": 60.0}
+    stones = {"tensile_strength": 2e6, "young": 2e10, "fracture_energy": 100.0}
+    plan = AssessPlan(scene(material=WALL["material"] | {"joints": law, "stones": stones}))
+    found = levels(plan)
+    assert found["joint stiffness"] == ["x 2"]
+    assert found["bond energy"] == ["x 2"]
+    assert {"joint stiffness x 0.5", "bond energy x 0.5"} <= {one.name for one in plan.left_out}  # less than their springs store
+    assert found["stone strength"] == ["whole", "x 0.7", "x 1.4"]
+    weak = of_level(plan, "stone strength", "x 0.7").material.stones["default"]
+    assert (weak.tensile_strength, weak.fracture_energy) == pytest.approx((1.4e6, 49.0))
+    assert not of_level(plan, "stone strength", "whole").material.stones
+    for name in ("joint stiffness", "bond energy", "stone strength"):
+        for level in found[name]:
+            structure_of(of_level(plan, name, level))
+
+
+def test_stones_that_follow_the_masonry_keep_its_modulus_where_joints_become_rigid() -> None:
+    plan = AssessPlan(scene(material={"masonry": "squared stone", "friction": 0.5, "stones": {"tensile_strength": 2e6}}))
+    rigid = of_level(plan, "joint stiffness", "rigid")
+    assert rigid.material.stones["default"].young == plan.maker.study.scene.material.joint_moduli[0]
+    structure_of(rigid)
+
+
 def test_half_a_time_step_and_a_tenth_of_the_tolerance() -> None:
     plan = AssessPlan(scene())
     assert of_level(plan, "time step", "1 ms").run.dt == 1e-3

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The assumptions of a scene and the levels to which each is set: other tables of the scene, everything else as it is.
 
-joint stiffness   rigid; E the largest, the mean and the least of the masonry's kind, of stone in general where none is named
+joint stiffness   rigid; E the largest, the mean and the least of the masonry's kind, of stone in general where none is named; half and
+                  twice that of joints whose bond softens
 friction          20 % to either side, or the range that [assess] states
 block size        times 0.7 and 1.4, where the kind of structure has a key for it
 bond              straight joints, another seed, where the kind has a key for it
 others            what a kind of structure says may be assumed of it, as of the fill of a bridge
+bond energy       half and twice the fracture energies of bonds that soften, but no less than the springs of the joints store
+stone strength    whole stones; times 0.7 and 1.4, of stones that crack, which stay as brittle
 soil              half and twice the shear modulus of each [[ground]], or its springs
 damping           0, 2 and 5 % of critical, on elastic joints; where the scene's are rigid, all of them on joints of the mean E
 joint points      over the depth of elastic joints that open: 5, 7, 11 and 15
@@ -17,16 +20,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import loads
 from masonry_cd.app.assess_table import AssessTable
-from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import Scene
-from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import AUTO, LONGEST_STEP, RUNGS
+from masonry_cd.studies.assess.breaking import bond_energy, softening_stiffness, softens, stone_strength
 from masonry_cd.studies.assess.joint_levels import damping, points, stiffness
 from masonry_cd.studies.assess.levels import (
     BOND,
@@ -40,6 +41,7 @@ from masonry_cd.studies.assess.levels import (
     LeftOut,
     Level,
     Tables,
+    refusal,
 )
 from structures.kind import StructureKind
 
@@ -63,9 +65,18 @@ def assumptions_of(scene: Scene, tables: Tables, shakes: bool) -> tuple[list[Ass
     """
     asked = scene.assess
     of_joints = stiffness(scene, asked)
+    own = softening_stiffness(scene, tables) if softens(scene) else [of_joints]
     size, refused = _size(scene, tables)
-    found: list[Assumption | LeftOut] = [of_joints, _friction(tables, asked), size, *_of_kinds(scene, tables)]
-    found += [*_soil(scene), damping(scene, asked, of_joints), points(scene), _step(tables), _tolerance(scene)]
+    found: list[Assumption | LeftOut] = [*own, _friction(tables, asked), size, *_of_kinds(scene, tables)]
+    found += [
+        *bond_energy(scene, tables),
+        *stone_strength(scene, tables),
+        *_soil(scene),
+        damping(scene, asked, of_joints),
+        points(scene),
+        _step(tables),
+        _tolerance(scene),
+    ]
     known, left = [], [] if SIZE in asked.leave_out else refused
     for one in found:
         why = "left out by the scene, assess.leave_out" if one.name in asked.leave_out else one.why if isinstance(one, LeftOut) else ""
@@ -122,23 +133,12 @@ def _size(scene: Scene, tables: Tables) -> tuple[Assumption | LeftOut, list[Left
             return table if kind.resized is None else kind.resized(table, factor)
 
         level = Level(f"x {factor:g}", _put(scene.folder, resized), factor**-2.5)
-        why = _refusal(scene, tables, level) if factor == LARGER else ""
+        why = refusal(scene, tables, level) if factor == LARGER else ""
         if why:
             refused.append(LeftOut(f"{SIZE} {level.name}", why))
         else:
             levels.append(level)
     return Assumption(SIZE, "as given", tuple(levels), statics=True), refused
-
-
-def _refusal(scene: Scene, tables: Tables, level: Level) -> str:
-    """Return the reason why the structure of a level is refused; empty where it is not."""
-    changed = copy.deepcopy(tables)
-    level.change(changed)
-    try:
-        make_structures(replace(scene, structure=changed.get("structure", {}), structures=tuple(changed.get("structures", ()))))
-    except InputError as error:
-        return str(error.unsourced())
-    return ""
 
 
 def _of_kinds(scene: Scene, tables: Tables) -> Iterator[Assumption | LeftOut]:

@@ -10,7 +10,7 @@ from masonry_cd.app.assess_table import AssessTable
 from masonry_cd.app.scene import Scene
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.masonry_kinds import RIGID
-from masonry_cd.studies.assess.levels import DAMPING, POINTS, STIFFNESS, Assumption, Change, LeftOut, Level, Tables
+from masonry_cd.studies.assess.levels import DAMPING, POINTS, STIFFNESS, Assumption, Change, LeftOut, Level, Tables, laws_of
 
 STONE = {"least": 0.7e9, "mean": 1.5e9, "largest": 3.3e9}  # E [Pa]: of irregular stone to squared stone (Circolare 7/2019, table C8.5.I)
 STAND_IN = "split stone"  # kind that gives G / E = 1/3, as all stone of that table; density stays that of the scene
@@ -28,15 +28,9 @@ def is_elastic(scene: Scene) -> bool:
     return material.joint_moduli is not None or any(law.normal_stiffness for law in material.joints.values())
 
 
-def _laws(tables: Tables) -> list[Tables]:
-    """The laws of the joints in the tables, which may be changed; none where there are none."""
-    joints = tables["material"].get("joints") or {}
-    return list(joints.values()) if all(isinstance(law, Mapping) for law in joints.values()) else [joints]
-
-
 def _without(tables: Tables, keys: tuple[str, ...]) -> None:
     """Take keys out of all laws."""
-    for law in _laws(tables):
+    for law in laws_of(tables):
         for key in keys:
             law.pop(key, None)
 
@@ -76,21 +70,27 @@ def stiffness(scene: Scene, asked: AssessTable) -> Assumption:
     else:
         ends = STONE
     by_kind = masonry is not None and asked.young is None
-    base = _base_stiffness(scene)
+    base, moduli = base_stiffness(scene), scene.material.joint_moduli
     cost = ELASTIC_COST if base == RIGID else 1.0
 
     def between(u: float) -> Level:
         young = ends["least"] * (ends["largest"] / ends["least"]) ** u
         return Level(_modulus(young), _elastic("mean", young), cost)
 
-    levels = [Level(RIGID, _rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
+    def rigid(tables: Tables) -> None:
+        if moduli is not None and scene.material.stones:
+            for law in laws_of(tables, "stones"):
+                law.setdefault("young", moduli[0])
+        _rigid(tables)
+
+    levels = [Level(RIGID, rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
     for level in ("largest", "mean", "least"):
         change = _elastic(level, None if by_kind else ends[level])
         levels.append(Level(_modulus(ends[level]), change, cost))
     return Assumption(STIFFNESS, base, tuple(level for level in levels if level.name != base), between=between)
 
 
-def _base_stiffness(scene: Scene) -> str:
+def base_stiffness(scene: Scene) -> str:
     """Describe the stiffness of its joints as the scene gives it."""
     given = sorted({law.normal_stiffness for law in scene.material.joints.values() if law.normal_stiffness})
     if given:
@@ -139,7 +139,7 @@ def _put_in_springs(material: Tables, key: str, value: Any) -> None:
     if not material.get("joints"):
         material["joints"] = {key: value}
         return
-    for law in _laws({"material": material}):
+    for law in laws_of({"material": material}):
         if named is not None or law.get("normal_stiffness"):
             law[key] = value
     bonded = isinstance(named, Mapping) and named.get("shear_bond")  # a law of its own would bond the rest as well

@@ -3,19 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from masonry_cd.analysis.assessment.assessment import Known
 from masonry_cd.analysis.assessment.indices import Unknown, chosen
+from masonry_cd.app.case import assembled, make_structures
+from masonry_cd.app.scene import Scene
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.mechanics.model.materials import Material
 
 Tables = dict[str, Any]
 Change = Callable[[Tables], None]
 
-STIFFNESS, FRICTION, SIZE, BOND, SOIL, DAMPING, POINTS, STEP, TOLERANCE = (
-    "joint stiffness", "friction", "block size", "bond", "soil stiffness", "damping", "joint points", "time step", "tolerance",
-)  # fmt: skip
+STIFFNESS, FRICTION, SIZE, BOND, ENERGY, STONES = "joint stiffness", "friction", "block size", "bond", "bond energy", "stone strength"
+SOIL, DAMPING, POINTS, STEP, TOLERANCE = "soil stiffness", "damping", "joint points", "time step", "tolerance"
 NUMERICAL = (POINTS, STEP, TOLERANCE)  # no property of the structure: the answer should not depend on them
 
 
@@ -70,3 +74,25 @@ class LeftOut:
 
     name: str
     why: str
+
+
+def laws_of(tables: Tables, key: str = "joints") -> list[Tables]:
+    """The laws of the joints, or the stones, in the tables, which may be changed; none where there are none."""
+    laws = tables["material"].get(key) or {}
+    return list(laws.values()) if all(isinstance(law, Mapping) for law in laws.values()) else [laws]
+
+
+def refusal(scene: Scene, tables: Tables, level: Level) -> str:
+    """Return the reason why the structure of a level, or its material, is refused; empty where it is not."""
+    changed = copy.deepcopy(tables)
+    level.change(changed)
+    try:
+        material = parse_table(Material, changed["material"], "material")
+        structures = tuple(changed.get("structures", ()))
+        other = replace(scene, structure=changed.get("structure", {}), structures=structures, material=material)
+        made = make_structures(other)
+        if material != scene.material:
+            assembled(other, made.blocks, (), made.ties)
+    except InputError as error:
+        return str(error.unsourced())
+    return ""
