@@ -10,7 +10,10 @@ where a (``active_at``) is the movement at which soil is active, and g (``gone_a
 :meth:`masonry_cd.mechanics.model.fill.Fill.reach`. Each bracket is the law of a bar (:mod:`loads.bars`) that pulls the wall outwards, with
 its thrust as built as first tension and yield force: it slackens on the way out, and gives no more than it has stored. Its far end is on
 the block that carries the fill there, an arch or a pier, which so bears the reaction and takes the fill along; beyond the arches, on the
-support nearest to it. At collapse, in limit analysis, what is pressed is on the point of moving away: K_a, a constant force.
+support nearest to it. At collapse, in limit analysis, what is pressed is on the point of moving away: K_a, a constant force. Under a push
+of a factor lambda along d the fill is shaken as well: K_AE(lambda d . f) of Mononobe and Okabe for a face pressed along f
+(:meth:`masonry_cd.mechanics.model.fill.Fill.shaken`), of which K_AE - K_a is multiplied as the push is, by its secant, and K_PE in place
+of K_p.
 
 **Passive resistance.** An extrados, or the back of an abutment, that moves into the fill meets along the level part of its normal
 
@@ -27,6 +30,7 @@ that of ties.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -71,15 +75,41 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> LoadAction:
     return LoadAction(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
-def at_collapse(fill: Fill, grid: RunGrid, shaken: bool) -> Static:
-    """Return the action of a fill as a mechanism begins to move: active pressure as constant forces, bars that resist, a line on it."""
+class AtCollapse(NamedTuple):
+    """The action of a fill as a mechanism begins to move."""
+
+    static: Static  # pressure as constant forces, bars that resist, a line on both
+    live: tuple[PointLoad, ...]  # what is multiplied by the factor of a push
+
+
+def at_collapse(fill: Fill, grid: RunGrid, shaken: bool, push: np.ndarray | None = None) -> AtCollapse:
+    """Return the action of a fill as a mechanism begins to move, ``push`` (3,) being the acceleration over gravity that shakes it."""
     assembly = grid.blocks(fill.where)
     k = fill.coefficients["active" if fill.pressure == "at_rest" else fill.pressure]
     pressed = _thrusts(fill, assembly, math.hypot(*grid.gravity)) if k > 0.0 else []
-    once, centre = np.ones(len(grid.times)), assembly.centre
-    loads = [PointLoad(thrust.block, thrust.place - centre[thrust.block], k * thrust.force, once) for thrust in pressed]
-    words = f"{fill.where}: walls and backs, on the point of moving away, are pressed by K_a = {k:.3g}" if loads else ""
-    return Static(words, tuple(loads), tuple(_passive(fill, grid, shaken, k)))
+    shake = np.zeros(3) if push is None else push
+    size = math.hypot(*shake)
+
+    def loads(shares: Sequence[float]) -> tuple[PointLoad, ...]:
+        once, centre = np.ones(len(grid.times)), assembly.centre
+        each = zip(pressed, shares, strict=True)
+        return tuple(PointLoad(one.block, one.place - centre[one.block], share * one.force, once) for one, share in each)
+
+    more = [(fill.shaken(_along(one.force, shake))[0] - k) / size for one in pressed] if size else []
+    words = f"{fill.where}: walls and backs, on the point of moving away, are pressed by K_a = {k:.3g}" if pressed else ""
+    resists = tuple(_passive(fill, grid, shaken, k, shake))
+    if size and (pressed or resists):
+        active, passive = fill.shaken(size)
+        ends = f"; above {fill.slides_at:.3g} it slides by itself, and they are those there" if size > fill.slides_at else ""
+        by = f"shaken by {size:.3g} g, by Mononobe and Okabe: K_AE = {active:.3g}, K_PE = {passive:.3g}{ends}"
+        words = f"{words}; {by}" if words else f"{fill.where}: {by}"
+    return AtCollapse(Static(words, loads([k] * len(pressed)), resists), loads(more) if size else ())
+
+
+def _along(force: np.ndarray, shake: np.ndarray) -> float:
+    """The part of a shaking (3,) along the level direction of a force (3,)."""
+    level = math.hypot(*force[:2])
+    return float(np.sum(force[:2] * shake[:2])) / level if level > 0.0 else 0.0
 
 
 def _in_words(fill: Fill) -> str:
@@ -153,18 +183,22 @@ def _over_feet(fill: Fill, points: np.ndarray) -> np.ndarray:
     return np.stack([own[:, 0] - fill.slant * own[:, 1], own[:, 1]], axis=1)
 
 
-def _passive(fill: Fill, grid: RunGrid, shaken: bool, pressed: float) -> list[Tie]:
-    """The bars of the faces that may move into the fill, one to a face; backs are ``pressed`` already by so much of gamma times depth."""
+def _passive(fill: Fill, grid: RunGrid, shaken: bool, pressed: float, shake: np.ndarray | None = None) -> list[Tie]:
+    """The bars of the faces that may move into the fill, one to a face; backs are ``pressed`` already by so much of gamma times depth.
+
+    ``shake`` (3,) is the acceleration over gravity that shakes it.
+    """
     assembly = grid.blocks(fill.where)
     number = _numbers(assembly)
-    gamma, most_k = fill.density * math.hypot(*grid.gravity), _share(fill, shaken) * fill.coefficients["passive"]
-    rates = {"extrados": gamma * most_k, "back": gamma * max(0.0, most_k - pressed)}
-    some = [face for face in fill.faces if face.kind in rates and not _is_fixed(face, assembly, number)]
+    gamma, share = fill.density * math.hypot(*grid.gravity), _share(fill, shaken)
+    some = [face for face in fill.faces if face.kind in ("extrados", "back") and not _is_fixed(face, assembly, number)]
     every = [(face, *_resistance(face, fill)) for face in some]
     most = max((size for _, size, _, _ in every), default=0.0)
     found = []
     for face, size, place, way in every:
-        rate = rates[face.kind]
+        along = 0.0 if shake is None else _along(way, shake)
+        most_k = share * (fill.shaken(along)[1] if along > 0.0 else fill.coefficients["passive"])
+        rate = gamma * (most_k if face.kind == "extrados" else max(0.0, most_k - pressed))
         if rate <= 0.0 or size <= LEAST * most:
             continue
         ends = (number[face.block], _nearest_support(assembly, place))

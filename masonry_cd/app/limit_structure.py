@@ -54,8 +54,8 @@ class LimitStructure:
 
         return self.loads(self.asked.model_copy(update={"push": parse_direction("x"), "tilt": None, "live": ()}))
 
-    def loads(self, asked: LimitTable | None = None) -> StaticLoads:
-        """Return the loads on it, as its own table or another one asks for them.
+    def loads(self, asked: LimitTable | None = None, shaken_by: float = 0.0) -> StaticLoads:
+        """Return the loads on it, as its own table or another one asks for them, its fill under a push ``shaken_by`` so much of gravity.
 
         Raises:
             InputError: a bad table, or no pattern.
@@ -63,7 +63,8 @@ class LimitStructure:
         from masonry_cd.app.static_loads import static_loads
 
         scene, ties = self.scene, [(bar.where, bar.load()) for bar in self.made.ties]
-        return static_loads(scene.loads, asked or self.asked, scene.run.gravity, scene.folder, self.assembly, ties, self.made.fills)
+        table, fills = asked or self.asked, self.made.fills
+        return static_loads(scene.loads, table, scene.run.gravity, scene.folder, self.assembly, ties, fills, shaken_by)
 
 
 def limit_structure(scene: Scene) -> LimitStructure:

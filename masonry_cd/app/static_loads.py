@@ -27,6 +27,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
 
 NO_LOAD = -1  # number of forces that are of no table of [[loads]]
+OF_FILL = -2  # likewise, of those that grow with a push
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +66,12 @@ def static_loads(
     assembly: Assembly,
     made: Sequence[tuple[str, Mapping[str, Any]]] = (),
     fills: Sequence[Fill] = (),
+    shaken_by: float = 0.0,
 ) -> StaticLoads:
     """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure (see :func:`loads.build`).
 
-    Of ``fills``, those of bridges, the pressures are constant, active where they fall as walls move; their resistance is that of ties.
+    Of ``fills``, those of bridges, the pressures are constant, active where they fall as walls move; their resistance is that of ties. With
+    ``shaken_by`` times gravity along a push they grow linearly with it, up to what they are then.
 
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
@@ -80,8 +83,12 @@ def static_loads(
     kind, pattern, at = _pattern(every, limit, grid)
     points = [(i, force) for i, one in enumerate(every) for force in one.does.points if i not in limit.masses]
     masses = _masses([(i, every[i].does.points[0]) for i in limit.masses], pattern.direction, down)
-    filled = [fill.at_collapse(each, grid, pattern.direction is not None) for each in fills]
-    arms = _arms([*points, *((NO_LOAD, force) for part in filled for force in part.points)], limit.live)
+    shake = None if kind != "push" or pattern.direction is None else shaken_by * np.array(pattern.direction.vector)
+    filled = [fill.at_collapse(each, grid, pattern.direction is not None, shake) for each in fills]
+    pressing = [
+        (number, force) for part in filled for number, each in ((NO_LOAD, part.static.points), (OF_FILL, part.live)) for force in each
+    ]
+    arms = _arms([*points, *pressing], (*limit.live, OF_FILL))
     weight, live, constant = np.zeros((count, 6)), arms.wrenches(arms.live, count), arms.wrenches(arms.dead, count)
     for i, load in points:
         if load.moment is not None:
@@ -92,9 +99,9 @@ def static_loads(
     live[free, :3] += size * assembly.mass[free, None] * way
     live += masses.under(size * way, count)
     ties = [tie for one in every for tie in one.does.ties] + ties_of(made, grid)
-    ties += [tie for part in filled for tie in part.ties]
+    ties += [tie for part in filled for tie in part.static.ties]
     left = [one.label for i, one in enumerate(every) if one.left_out or (one.does.velocity is not None and i != at)]
-    notes = [part.words for part in filled if part.words]
+    notes = [part.static.words for part in filled if part.static.words]
     notes += [f"{', '.join(left)}: left out, a limit analysis is static"] if left else []
     notes += _without_mass([(i, force) for i, force in points if every[i].does.weighs and i not in limit.live], down) if limit.check else []
     return StaticLoads(

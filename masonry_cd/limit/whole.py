@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 THE_WHOLE = "the whole"
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
+SAME_SHAKEN = 1e-4  # share of a factor by which the one that shakes the fill may differ from it
 ALONG = 0.999  # cosine of the angle between two pushes up to which they are one
 BEGUN = 6  # mechanisms of parts at which the search begins, three or four cone programmes each
 
@@ -109,6 +110,7 @@ def analyse_whole(
         InputError: loads that do not fit, or a limit analysis without an answer.
     """
     asked, words = structure.asked, ""
+    loads = _with_shaken_fill(structure, loads)
     left = None if asked.begin is None else left_state(structure, loads)
     analysis = _analysed(structure, loads, how.analysis)
     if loads.kind == "push" and analysis.starts > 1 and (parts or how.begins_at_parts):
@@ -129,6 +131,31 @@ def analyse_whole(
     if analysis.stands:
         spare = little_left(analysis.problem, assembly, joints)
     return WholeAnalysis(structure, loads, analysis, how, untied, without, followed, words, spare)
+
+
+def _with_shaken_fill(structure: LimitStructure, loads: StaticLoads) -> StaticLoads:
+    """Loads whose fill, under a push, is shaken by the associated factor that they have then; that factor by secants.
+
+    Pressures grow with the square of it or so: at less than this factor they are less than their secant, on the safe side.
+
+    Raises:
+        InputError: it is not found, or no answer.
+    """
+    if loads.kind != "push" or not structure.made.fills:
+        return loads
+    known = list[tuple[float, float]]()  # factors by which the fill is shaken, and by how much more is borne
+    by, alone = 0.0, Options(starts=0)
+    for _ in range(TURNS):
+        analysis = _analysed(structure, loads, alone)
+        if not analysis.stands or analysis.unlimited:
+            return loads
+        known.append((by, analysis.associated.factor - by))
+        if abs(known[-1][1]) <= SAME_SHAKEN * analysis.associated.factor:
+            return loads
+        (a, more_a), (b, more_b) = known[0] if len(known) == 1 else known[-2], known[-1]
+        by = b + more_b if more_a == more_b else max(a - more_a * (b - a) / (more_b - more_a), 0.0)
+        loads = structure.loads(shaken_by=by)
+    raise InputError("limit.push", f"the factor at which the fill is shaken by it is not found in {TURNS} rounds")
 
 
 def _analysed(structure: LimitStructure, loads: StaticLoads, options: Options) -> Analysis:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from masonry_cd.analysis.limit.analysis import analyse
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.limit.case import limit_case
@@ -55,3 +56,29 @@ def test_at_collapse_walls_and_backs_are_pressed_by_the_active_pressure() -> Non
     rest, active, none = (factor(load, 0.7, abutments=solid, fill={"passive": 0.0, "pressure": p}) for p in ("at_rest", "active", "none"))
     assert rest == active
     assert abs(none - active) > 1e-3 * active
+
+
+def test_under_a_push_the_fill_is_shaken_by_the_factor_itself() -> None:
+    """With K_AE and K_PE at the factor found, the factor is that; and less than with a fill that is not shaken."""
+    text = """
+[structure]
+kind = "bridge"
+width = 3.0
+cover = 0.4
+spans = [{span = 4.0, rise = 1.5, thickness = 0.5, voussoirs = 7}]
+abutments = [{rigid = false, height = 2.0, width = 1.5}]
+[material]
+density = 2200.0
+friction = 0.6
+[limit]
+push = "x"
+starts = 0
+"""
+    whole = limit_case(parse_scene(text, Path("shaken.toml"))).whole
+    assert whole is not None
+    factor = whole.analysis.associated.factor
+    structure = whole.structure
+    at_it, still = (analyse(structure.assembly, structure.joints, structure.loads(shaken_by=by).at()) for by in (factor, 0.0))
+    assert at_it.associated.factor == pytest.approx(factor, rel=2e-4)
+    assert factor < 0.98 * still.associated.factor
+    assert any("Mononobe" in note for note in whole.loads.notes)

@@ -21,7 +21,7 @@ SOLID = [{"rigid": False, "height": 2.0}]
 
 def of_fill(shaken: bool = False, **keys: object) -> tuple:
     made, assembly = bridge(width=3.0, cover=0.4, abutments=SOLID, **keys)
-    part = fill.at_collapse(made.fills[0], grid(made, assembly), shaken)
+    part = fill.at_collapse(made.fills[0], grid(made, assembly), shaken).static
     forces = list(part.points)
     assert bool(part.words) == bool(forces)
     return made.fills[0], assembly, forces, list(part.ties)
@@ -210,3 +210,48 @@ def test_a_crossing_that_the_run_cuts_short_is_said() -> None:
     acted = vehicle(table(name="single", speed=1.0), grid(made, assembly, 100, 0.01), "loads[0]").acted
     assert acted is not None and acted.end == pytest.approx(9.0)
     assert len(acted.lines(1.0)) == 1 and not acted.lines(9.0)
+
+
+def thrust_of_wedges(phi: float, k: float, way: float) -> float:
+    """K of the wedge that presses most on an upright smooth wall (way 1) or resists least (way -1), shaken by k along its motion.
+
+    Its weight W and k W balance the wall's force, level, and that on its slip plane at an angle a, at phi to the normal: by sliding down,
+    P = W (tan(a - phi) + k), by sliding up, P = W (tan(a + phi) - k), with W = 1 / (2 tan(a)) of gamma H^2.
+    """
+    a = np.radians(np.linspace(1.0, 89.0, 400_001))
+    phi = float(np.radians(phi))
+    a = a[(a - phi > -1.5) & (a + phi < 1.57)] if way < 0 else a
+    each = (np.tan(a - way * phi) + way * k) / np.tan(a)
+    return float(each.max() if way > 0 else each[np.cos(a + phi) > 0.0].min())
+
+
+@pytest.mark.parametrize(("phi", "k"), [(30.0, 0.0), (30.0, 0.2), (35.0, 0.3), (40.0, 0.1), (30.0, -0.2), (30.0, 0.57)])
+def test_shaken_fill_presses_and_resists_as_the_worst_of_all_wedges(phi: float, k: float) -> None:
+    made, _ = bridge(width=3.0, fill={"friction_angle": phi})
+    active, passive = made.fills[0].shaken(k)
+    assert active == pytest.approx(thrust_of_wedges(phi, k, 1.0), rel=1e-6)
+    assert passive == pytest.approx(thrust_of_wedges(phi, k, -1.0), rel=1e-6)
+
+
+def test_above_the_tangent_of_phi_shaken_fill_slides_by_itself() -> None:
+    made, _ = bridge(width=3.0, fill={"friction_angle": 30.0})
+    found = made.fills[0]
+    assert found.slides_at == pytest.approx(np.tan(np.radians(30.0)))
+    assert found.shaken(2.0) == found.shaken(found.slides_at) == pytest.approx((4.0 / 3.0, 4.0 / 3.0), rel=1e-6)
+
+
+def test_under_a_push_pressure_grows_along_it_and_resistance_falls() -> None:
+    made, assembly = bridge(width=3.0, cover=0.4, abutments=SOLID, fill={"friction_angle": 30.0})
+    found, by = made.fills[0], 0.25
+    still = fill.at_collapse(found, grid(made, assembly), True)
+    shaken = fill.at_collapse(found, grid(made, assembly), True, np.array([by, 0.0, 0.0]))
+    assert not still.live and "Mononobe" in shaken.static.words and "Mononobe" not in still.static.words
+    active, passive = found.shaken(by)
+    for dead, live in zip(still.static.points, shaken.live, strict=True):
+        towards = float(np.sign(dead.force[0]))  # the left abutment is pressed along x
+        k = active if towards > 0.0 else found.shaken(-by)[0]
+        assert (dead.force + by * live.force)[0] == pytest.approx(dead.force[0] * 3.0 * k)
+    limits = [{bar.name: bar.limit for bar in part.static.ties if "arch1" in bar.name} for part in (still, shaken)]
+    for name, limit in limits[0].items():
+        share = passive / 3.0 if name.endswith("right") else 1.0
+        assert limits[1][name] == pytest.approx(share * limit)

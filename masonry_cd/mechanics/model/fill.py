@@ -96,6 +96,27 @@ class Fill:
         sine = self._sine
         return 1.0 / max(6.0 * sine / math.sqrt(1.0 - sine * sine), 1.0)
 
+    def shaken(self, factor: float) -> tuple[float, float]:
+        """K_AE and K_PE of Mononobe and Okabe, of an upright face without friction under level fill that is shaken by ``factor`` times gravity.
+
+        With theta = arctan(factor), towards a face that moves away and away from one that moves in, both of which it hurts,
+
+            K = cos^2(phi - theta) / (cos^2(theta) (1 +- sqrt(sin(phi) sin(phi - theta) / cos(theta)))^2),
+
+        + in K_AE and - in K_PE. Above tan(phi) the fill slides by itself, and K is that at tan(phi), 1 / cos^2(phi), of both.
+        """
+        sine = self._sine
+        cosine = math.sqrt(1.0 - sine * sine)
+        x = min(factor, sine / cosine)
+        between = sine - x * cosine  # sin(phi - theta) / cos(theta)
+        top, root = (cosine + x * sine) ** 2, math.sqrt(sine * between)
+        return top / (1.0 + root) ** 2, top / (1.0 - root) ** 2
+
+    @property
+    def slides_at(self) -> float:
+        """The level acceleration over gravity above which the fill slides by itself, tan(phi)."""
+        return self._sine / math.sqrt(1.0 - self._sine**2)
+
     @property
     def _sine(self) -> float:
         return float(libm.sin(np.radians(np.array([self.friction_angle])))[0])
