@@ -19,13 +19,15 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import pressure
 from masonry_cd.limit.vehicle import anywhere, at_worst
 from masonry_cd.limit.whole import WholeAnalysis, analyse_whole
+from masonry_cd.mechanics.model.masonry_kinds import Masonry
 
 if TYPE_CHECKING:
     from masonry_cd.app.scene import Scene
     from masonry_cd.limit.vehicle import Crossing
     from masonry_cd.mechanics.model.fill import Fill
 
-STRENGTH = 5e6  # of masonry whose kind is not named, as assessments of arch bridges often assume [Pa]
+BRICK = Masonry.model_validate({"kind": "solid brick"})  # the assumption on masonry whose kind is not named
+STRENGTH = BRICK.strength  # [Pa]
 LOWER = 1e-4  # share of the factor by which a row is lower, and no rounding
 SCENE, TOGETHER, ENDLESS = "scene", "together", "no finite load factor"
 BY = {"boussinesq": "by Boussinesq's line load", "2:1": "2:1"}
@@ -180,7 +182,7 @@ def strength_of(structure: LimitStructure) -> tuple[float, str]:
     own, named = structure.assembly.laws.crushing, structure.scene.material.masonry
     if own.any():
         return float(own[own > 0.0].min()), "of the scene" if named is None else named.kind
-    return (STRENGTH, "assumed") if named is None else (named.strength, named.kind)
+    return (STRENGTH, f"{BRICK.kind}, assumed") if named is None else (named.strength, named.kind)
 
 
 def against_fill(structure: LimitStructure) -> tuple[Row, LimitStructure] | None:

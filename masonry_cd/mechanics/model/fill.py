@@ -97,7 +97,7 @@ class Fill:
         return 1.0 / max(6.0 * sine / math.sqrt(1.0 - sine * sine), 1.0)
 
     def shaken(self, factor: float) -> tuple[float, float]:
-        """K_AE and K_PE of Mononobe and Okabe, of an upright face without friction under level fill that is shaken by ``factor`` times gravity.
+        """K_AE and K_PE of Mononobe and Okabe: of an upright face without friction, under level fill shaken by ``factor`` times gravity.
 
         With theta = arctan(factor), towards a face that moves away and away from one that moves in, both of which it hurts,
 

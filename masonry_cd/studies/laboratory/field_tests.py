@@ -7,6 +7,7 @@ known of a bridge as every scene has it by default. Nothing is fitted to a test.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,6 +21,7 @@ WITHIN = 0.2  # share of the measured load that counts as near
 LINE = 0.3  # length of the line of load along the span [m]
 KILONEWTON = 1e3  # [N]
 FRICTION = 0.6  # assumed of all joints
+TURNS, CLOSE = 8, 0.01  # of the search for a tension at most, and how near the load comes
 
 ABSTRACT = "{} of the Transport and Road Research Laboratory, its public abstract"
 RR110, RR159, RR201 = (ABSTRACT.format(f"Research Report {number}") for number in (110, 159, 201))
@@ -70,6 +72,86 @@ MISSING = (  # no public source of their measures was found
     "Bridgemill",
     "Bargower",
 )
+
+
+class ArchTest(NamedTuple):
+    """A bare arch on rigid springings under a load at a place of its span."""
+
+    name: str
+    built: str
+    span: float  # clear [m]
+    rise: float
+    thickness: float
+    width: float
+    voussoirs: int
+    place: float  # of the load, from the left springing [m]
+    measured: float  # [kN]
+    strength: float  # of the masonry in compression [Pa]
+    sources: tuple[str, ...]
+    density: float = 18e3 / 9.80665  # of solid brick, table C8.5.I of Circolare 7/2019 [kg/m3], where the source has none
+
+    @property
+    def point(self) -> tuple[str, float, float]:
+        """The voussoir below the load, and where the load meets its extrados, from the middle of the span and the springings [m]."""
+        half = 0.5 * self.span
+        radius = (half**2 + self.rise**2) / (2.0 * self.rise)
+        x, below, opens = self.place - half, radius - self.rise, math.atan2(half, radius - self.rise)
+        up = math.sqrt((radius + self.thickness) ** 2 - x**2)
+        number = int((math.atan2(x, up) + opens) / (2.0 * opens) * self.voussoirs)
+        edges = (opens * (2.0 * k / self.voussoirs - 1.0) for k in (number, number + 1))
+        (x0, z0), (x1, z1) = (((radius + self.thickness) * math.sin(a), (radius + self.thickness) * math.cos(a) - below) for a in edges)
+        return f"v{number + 1}", x, z0 + (x - x0) / (x1 - x0) * (z1 - z0)
+
+
+CORPUS = "as transcribed in the public records of arch tests of structural-checks-ts"
+MILAN = f"Carozzi and others, Composite Structures 187, 466, 2018, sections 2.1 and 2.3, table 6, {CORPUS}"
+MINHO = f"Oliveira and others, Journal of Composites for Construction 14, 312, 2010, and Basilio's thesis, Minho, 2007, table 6.5, {CORPUS}"
+ARCHES: Sequence[ArchTest] = (
+    ArchTest("arch U_A", "bricks on edge, lime mortar", 3.3, 0.83, 0.12, 0.25, 59, 0.556, 2.08, 3.5e6, (MILAN,)),
+    ArchTest("vault U_V", "a leaf of brick, lime mortar", 3.3, 0.83, 0.06, 0.3, 29, 0.556, 0.39, 3.5e6, (MILAN,)),
+    ArchTest("arch US-1", "half-scale bricks, cement mortar", 1.467, 0.593, 0.05, 0.45, 59, 0.367, 1.43, 9.1e6, (MINHO,)),
+    ArchTest("arch US-2", "half-scale bricks, cement mortar", 1.467, 0.593, 0.05, 0.45, 59, 0.367, 1.92, 9.1e6, (MINHO,)),
+    ArchTest(
+        "Perugia arch",
+        "a row of bricks",
+        2.0,
+        1.0,
+        0.125,
+        0.25,
+        49,
+        1.0,
+        0.70,
+        6.63e6,
+        (f"{PADUA.partition(',')[0]}, 2020, on Borri and others, 2011, {CORPUS}",),
+        1807.0,
+    ),
+)
+
+
+def of_arch(test: ArchTest, **joints: float) -> float:
+    """The load at collapse of a bare arch [kN], its joints with a strength in SI units or as they are by default, without any."""
+    block, x, z = test.point
+    keys = ("span", "rise", "thickness", "width", "voussoirs")
+    scene = {
+        "structure": {"kind": "arch"} | {key: getattr(test, key) for key in keys},
+        "material": {"density": test.density, "friction": FRICTION, "joints": joints},
+        "loads": [{"kind": "point", "block": block, "force": [0.0, 0.0, -KILONEWTON], "point": [x, 0.0, z]}],
+        "limit": {"live": [0], "starts": 1},
+    }
+    whole = limit_case(parse_scene(dump_toml(scene), Path("scene.toml"))).whole
+    assert whole is not None
+    return whole.analysis.governing.factor
+
+
+def tension_of(test: ArchTest) -> float:
+    """The tensile strength of joints with which a bare arch bears what was measured [Pa], by secants."""
+    low, high = (0.0, of_arch(test)), (1e4, 0.0)
+    for _ in range(TURNS):
+        high = high[0], of_arch(test, cohesion=FRICTION * high[0])
+        if abs(high[1] / test.measured - 1.0) < CLOSE:
+            break
+        low, high = high, (high[0] + (test.measured - high[1]) * (high[0] - low[0]) / (high[1] - low[1]), 0.0)
+    return high[0]
 
 
 def scene_of(test: FieldTest) -> dict[str, Any]:
