@@ -13,6 +13,7 @@ from typing import Any
 
 from masonry_cd.app.scene_schema import scene_schema
 from masonry_cd.foundation.table_schema import table_schema
+from masonry_cd.mechanics.model.masonry_kinds import KINDS, Range
 from masonry_cd.studies.selection.tables import SelectionTables
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
@@ -51,7 +52,7 @@ def pages() -> dict[Path, str]:
 def _scene() -> str:
     tables = scene_schema()["properties"]
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
-    parts += _section("[material]", tables["material"])
+    parts += [*_section("[material]", tables["material"]), *_masonry()]
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
     parts += _section("[[ground]]", tables["ground"]["items"])
     parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
@@ -59,6 +60,21 @@ def _scene() -> str:
     parts += [*_section("[strengthen]", tables["strengthen"]), *_section("[output]", tables["output"])]
     parts += _section("[[events]]", tables["events"]["items"])
     return "\n".join(parts)
+
+
+def _masonry() -> Iterator[str]:
+    """The kinds of masonry and the values that the tables give them."""
+    yield "### Masonry by name\n\nTable C8.5.I of Circolare 21 January 2019 n. 7: least and largest values.\n"
+    rows = ["| kind | | w [kN/m3] | E, G [MPa] | f [MPa] | tau_0, f_v0 [MPa] |\n|---|---|---|---|---|---|"]
+    for name, kind in KINDS.items():
+        cells = ((kind.weight,), (kind.young, kind.rigidity), (kind.compressive,), (kind.shear, kind.sliding))
+        rows.append(" | ".join([f"| `{name}`", kind.italian, *(", ".join(_range(one) for one in cell if one) for cell in cells)]) + " |")
+    yield "\n".join(rows) + "\n"
+
+
+def _range(values: Range) -> str:
+    """Both ends of a range, or the one value of it."""
+    return " to ".join(f"{value:g}" for value in dict.fromkeys(values))
 
 
 def _section(name: str, schema: dict[str, Any], about: str = "") -> Iterator[str]:

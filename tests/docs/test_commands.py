@@ -23,9 +23,8 @@ from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
-from structures.building.table import BuildingRoofTable, JunctionTable
+from structures.building.table import BuildingRoofTable
 from structures.floors import FloorTable
-from structures.kinds.file import FileTable
 from structures.plans.keys import StoreyTable
 
 COMMANDS = typer.main.get_command(app).commands
@@ -126,13 +125,7 @@ def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said,
 
 def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
     checks = {
-        "docs/howto/blocks.md": [
-            lambda tables: parse_table(
-                FileTable, {key: tables["structure"][key] for key in FileTable.model_fields if key in tables["structure"]}, "structure"
-            )
-        ],
         "docs/howto/buildings.md": [
-            lambda tables: [parse_table(JunctionTable, each, "structure.junctions") for each in tables["structure"]["junctions"]],
             lambda tables: [
                 parse_table(kind, each, name)
                 for name, kind in (("floors", FloorTable), ("roofs", BuildingRoofTable))
@@ -152,7 +145,7 @@ def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
             lambda tables: re.fullmatch(OWN_FILE, tables["structure"]["kind"])["path"],
         ],
         "docs/scene_file.md": [
-            *2 * [lambda tables: parse_table(Material, {"density": 2000.0, "friction": 0.6} | tables["material"], "")],
+            lambda tables: parse_table(Material, {"density": 2000.0, "friction": 0.6} | tables["material"], ""),
             lambda tables: [parse_table(LinkTable, each, "links") for each in tables["links"]],
         ],
         "docs/studies.md": [lambda tables: parse_table(StudyTables, tables, ""), lambda tables: parse_table(SlurmTable, tables, "")],
