@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write docs/python_reference.md: every name of the package with a line from its docstring, and the members of its classes.
+"""Write docs/python_reference.md: every name of the package from its docstring, with arguments, errors, an example and members of classes.
 
 python docs/write_python_reference.py
 """
@@ -18,25 +18,52 @@ import masonry_cd as mc
 PAGE = Path(__file__).with_name("python_reference.md")
 HEAD = """# Python, every name
 
-Written from the docstrings by `python docs/write_python_reference.py`; `help(mc.run)` says more, with what is raised and an example.
-[Python](python.md) shows how they go together, [Plug-ins](plugins.md#contracts) what functions of yours are given and have to return.
+`import masonry_cd as mc` has these functions and classes. [Python](python.md) shows how they go together, [Plug-ins](plugins.md#contracts)
+what functions of yours are given and have to return. Written from the docstrings by `python docs/write_python_reference.py`.
 
 """
 ROLE = re.compile(r":[a-z]+:`~?([^`]+)`")  # of a docstring
+SECTION = re.compile(r"^(Args|Attributes|Raises|Returns|Examples?):\n((?:[ \t]+.*\n?|\n(?=[ \t]))*)", re.MULTILINE)
+ENTRY = re.compile(r"^ {4}(\S[^:\n]*): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+SESSION = re.compile(r"^ *>>> .*\n?(?: *(?:>>> |\.\.\. |\S).*\n?)*", re.MULTILINE)
 
 
 def reference() -> str:
     """The text of the page."""
     found = {name: getattr(mc, name) for name in sorted(mc.NAMES, key=str.lower)}
-    functions = [f"| `mc.{called(name, each)}` | {line(each)} |" for name, each in found.items() if not inspect.isclass(each)]
-    parts = [HEAD + "\n".join(["| function | |", "|---|---|", *functions]) + "\n"]
-    for name, each in found.items():
-        if inspect.isclass(each):
-            rows = [f"| `{called(member, value)}` | {line(value)} |" for member, value in members(each)]
-            table = "\n".join(["", "| member | |", "|---|---|", *rows, ""]) if rows else ""
-            made = f"\n`mc.{called(name, each)}`\n" if re.search(r"^(?:Args|Attributes):", inspect.getdoc(each) or "", re.MULTILINE) else ""
-            parts.append(f"## mc.{name}\n\n{line(each)}\n{made}{table}")
-    return "\n".join(parts)
+    parts = [HEAD]
+    for title, wanted in (("function", False), ("class", True)):
+        rows = [f"| [`mc.{name}`](#mc{name.lower()}) | {line(each)} |" for name, each in found.items() if inspect.isclass(each) is wanted]
+        parts.append("\n".join([f"| {title} | |", "|---|---|", *rows, "", ""]))
+    return "".join(parts) + "\n".join("".join(section(name, each)).rstrip() + "\n" for name, each in found.items())
+
+
+def section(name: str, value: Any) -> Iterator[str]:
+    """Title, what a name takes, what is said of it, its arguments and errors, an example, and the members of a class."""
+    text = ROLE.sub(r"`\1`", inspect.getdoc(value) or "").replace("``", "`") + "\n"
+    sections = {found[1]: found[2] for found in SECTION.finditer(text)}
+    yield f"## mc.{name}\n\n"
+    if not inspect.isclass(value) or {"Args", "Attributes"} & sections.keys():
+        yield f"`mc.{called(name, value)}`\n\n"
+    yield f"{plain(re.split(r'^(?:Args|Attributes|Raises|Returns|Examples?):|^ *>>> ', text, maxsplit=1, flags=re.MULTILINE)[0])}\n\n"
+    for title in ("Args", "Attributes", "Raises"):
+        yield table({"Raises": "raises"}.get(title, "takes"), ENTRY.findall(sections.get(title, "")))
+    if example := SESSION.search(text):
+        yield f"```pycon\n{inspect.cleandoc(chr(10) + example[0]).strip()}\n```\n\n"
+    if inspect.isclass(value):
+        yield table("member", ((called(member, each), line(each)) for member, each in members(value)))
+
+
+def table(head: str, entries: Any) -> str:
+    """A table of names and what they are; nothing where there are none."""
+    rows = [f"| `{name}` | {plain(said)} |" for name, said in entries]
+    return "\n".join([f"| {head} | |", "|---|---|", *rows, "", ""]) if rows else ""
+
+
+def plain(text: str) -> str:
+    """The paragraphs of a docstring as one line each, so that a cell of a table holds them."""
+    paragraphs = [" ".join(part.split()) for part in re.split(r"\n\s*\n", text)]
+    return " ".join(part for part in paragraphs if part).replace("``", "`").replace("|", "\\|")
 
 
 def members(kind: type) -> Iterator[tuple[str, Any]]:
@@ -60,7 +87,8 @@ def called(name: str, value: Any) -> str:
 def line(value: Any) -> str:
     """The first sentence of a docstring."""
     said = " ".join((inspect.getdoc(value) or "").partition("\n\n")[0].split())
-    return ROLE.sub(r"`\1`", re.split(r"(?<=[a-z)`\]])\. ", said)[0]).rstrip(".").replace("|", "\\|") + "."
+    text = ROLE.sub(r"`\1`", re.split(r"(?<=[a-z)`\]])\. ", said)[0]).replace("``", "`")
+    return text.rstrip(".").replace("|", "\\|") + "."
 
 
 if __name__ == "__main__":
