@@ -7,15 +7,7 @@ r"""Vehicles on a bridge: axles that stand on the road or cross it slowly, sprea
     position = 3.2                     # of the first axle along the road [m]; or
     speed = 0.5                        # towards greater x [m/s]: a crossing
 
-The share of an axle at X that a strip of the extrados from x_a to x_b at depth d below the road bears is F(x_b - X) - F(x_a - X) over the
-sum of these of the whole road, so that all of them sum to the axle's load. F is, over the length c of a wheel's contact,
-
-    2:1            even over c + d, one across for two down,
-    Boussinesq     of the stress under a line load, 2 P d^3 / (pi (x^2 + d^2)^2), within 30 degrees of the vertical: with t = x / d,
-                   F = (theta + sin theta cos theta + A) / (2 A), theta = arctan t, A its value at 30 degrees,
-
-and across the road likewise about each wheel. A strip passes its share to the block below it, upright, where it lies. What is spread to the
-road before and behind the bridge, and what lies on fixed blocks, the ground bears. An axle that is not on the bridge loads nothing.
+How the fill spreads its wheels: :mod:`loads.wheels`. An axle that is not on the bridge loads nothing.
 
 Named vehicles: LM1, the tandem system of lane 1 of load model 1, and LM2, the single axle of load model 2, both of EN 1991-2:2003, 4.3;
 "single", "double", "triple" (also "double 1.3", "double 1.0" and "triple 2.0"): the authorised axles of normal traffic of CS 454
@@ -26,10 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise, product
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -37,31 +26,17 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from loads.acted import Acted, over_time
 from loads.bars import PointLoad
 from loads.motion import LoadAction, LoadKind, LoadTable, Places, RunGrid, Static
-from masonry_cd.foundation import libm
+from loads.wheels import Known, Strips, strips_of
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit, Usual
-from masonry_cd.mechanics.model.fill import Fill, FillFace
+from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.usual import FORCES
 
 TONNE = 9.81e3  # weight of one, as CS 454 takes it [N]
-THIRTY = math.pi / 6.0  # where Boussinesq's stresses are cut off
-ALONG, ACROSS, LINES = 3, 8, 5  # strips of a face along the road, and across it; lines that stand for a contact
-LEAST_DEPTH = 0.01  # [m] at which a load is spread at least, so that none falls between two strips
 MOST_AXLES = 40
 AXLE = Usual(500.0, 1e6, "axles weigh 0.5 kN (a cart) to 1 MN (heavy transport)", FORCES)
 CROSSING = Usual(0.0, 45.0, "vehicles cross bridges of masonry at up to 45 m/s, 160 km/h", ("km/h",))
-
-ON = ("extrados", "top")
-
-
-class Known(NamedTuple):
-    """A vehicle by name."""
-
-    loads: tuple[float, ...]  # [N]
-    spacing: tuple[float, ...]  # [m]
-    track: float  # [m]
-    contact: tuple[float, float]  # of a wheel along and across [m]
 
 
 def _assessed(tonnes: float, axles: int, spacing: float) -> Known:
@@ -109,8 +84,9 @@ class VehicleTable(LoadTable):
     """Loads of its axles, the first one leading."""
     spacing: Annotated[Numbers, Unit("m")] = None
     """Distances between them."""
-    across: Literal["wheels", "line"] = "wheels"
-    """Two wheels to an axle, or a line over the whole width between the walls, as in load tests."""
+    across: Literal["wheels", "line", "strip"] = "wheels"
+    """Two wheels to an axle; a line over the whole width between the walls, as in load tests; or wheels on the strip of a bridge in its
+    plane over which they spread 2:1, up to the edges."""
     track: Measure | None = None
     """Between the middles of the two wheels of an axle; 1.8 m when neither it nor a name is given."""
     contact: Annotated[tuple[float, float] | None, Unit("m"), BeforeValidator(_numbers)] = None
@@ -148,90 +124,6 @@ class VehicleTable(LoadTable):
         return of_name._replace(track=self.track or of_name.track, contact=(contact[0], contact[1]))
 
 
-@dataclass(frozen=True, eq=False)
-class Strips:
-    """S strips of the extradoses and tops of a bridge under the road, as a vehicle on it loads them."""
-
-    face: np.ndarray  # (S,) its face
-    ends: np.ndarray  # (S, 2) along the road [m]
-    depth: np.ndarray  # (S,) [m]
-    place: np.ndarray  # (S, 3) where the load of the strip acts, world frame [m]
-    share: np.ndarray  # (S,) of a load on its part of the road that the strip bears, of those that lie next to each other
-
-    def weights(self, at: np.ndarray, fill: Fill, contact: float) -> np.ndarray:
-        """Shares (M, S) of loads at M places along the road, none of those off the bridge; the road next to it bears the rest."""
-        low, high = self.ends.T
-        before, behind = (float(self.depth[k]) for k in (int(np.argmin(low)), int(np.argmax(high))))
-        own = self.share * (_below(high - at[:, None], self.depth, contact, fill) - _below(low - at[:, None], self.depth, contact, fill))
-        rest = _below(low.min() - at, before, contact, fill) + 1.0 - _below(high.max() - at, behind, contact, fill)
-        on = (at >= fill.deck[0]) & (at <= fill.deck[1])
-        return np.asarray(np.where(on[:, None], own / (own.sum(axis=1) + rest)[:, None], 0.0))
-
-
-def _below(x: np.ndarray, depth: np.ndarray | float, contact: float, fill: Fill) -> np.ndarray:
-    """F of the head of this file at x [m]: the share of a load that is spread to less than x."""
-    d = np.maximum(depth, LEAST_DEPTH)
-    if fill.spread == "2:1":
-        return np.asarray(np.clip(0.5 + x / (contact + d), 0.0, 1.0))
-    whole = THIRTY + 0.25 * math.sqrt(3.0)
-    total = np.zeros(np.broadcast(x, d).shape)
-    for k in range(LINES):
-        t = np.clip((x - contact * ((k + 0.5) / LINES - 0.5)) / d, -math.tan(THIRTY), math.tan(THIRTY))
-        total = total + 0.5 * (libm.atan(t) + t / (1.0 + t * t) + whole) / whole
-    return total / LINES
-
-
-def strips_of(fill: Fill, table: VehicleTable) -> Strips:
-    """Cut the faces below the road into strips, and share the wheels of an axle among those next to each other."""
-    return _strips(fill, table.known, table.across, table.offset)
-
-
-@lru_cache(maxsize=8)  # they are those of all places of a vehicle, which is asked for at many
-def _strips(fill: Fill, vehicle: Known, line: str, offset: float) -> Strips:
-    rows = list[tuple[int, np.ndarray, float, np.ndarray, float]]()
-    for number, face in enumerate(fill.faces):
-        if face.kind in ON:
-            rows += [(number, *row) for row in _of_face(face, fill, vehicle, None if line == "line" else offset)]
-    face_of, ends, depth, place, across = zip(*rows, strict=True)
-    ends_of, share = np.array(ends), np.array(across)
-    return Strips(np.array(face_of), ends_of, np.array(depth), np.array(place), share)
-
-
-def _of_face(face: FillFace, fill: Fill, vehicle: Known, offset: float | None) -> list[tuple[np.ndarray, float, np.ndarray, float]]:
-    """Ends along the road, depth, place and share across of the strips of one face, a quadrilateral over a line across the road; a vehicle
-    without an offset is a line."""
-    own = fill.along(face.corners)
-    own[:, 0] -= fill.slant * own[:, 1]
-    (x0, z0), (x1, z1) = own[0, [0, 2]], own[1, [0, 2]]
-    near, far = float(own[0, 1]), float(own[2, 1])
-    cuts = np.linspace(near, far, (ACROSS if fill.slant else 1) + 1)  # a slanted joint lies elsewhere under each wheel
-    found = []
-    for k, (a, b) in product(range(ALONG), pairwise(cuts.tolist())):
-        m = (k + 0.5) / ALONG
-        z = z0 + m * (z1 - z0)
-        share, y = _across(a, b, fill.level - z, fill, vehicle, offset)
-        place = np.array([x0 + m * (x1 - x0) + fill.slant * y, y, z])
-        ends = x0 + (x1 - x0) * np.array([k, k + 1]) / ALONG + fill.slant * y
-        if share > 0.0:
-            found.append((ends, fill.level - z, fill.in_world(place), share))
-    return found
-
-
-def _across(near: float, far: float, depth: float, fill: Fill, vehicle: Known, offset: float | None) -> tuple[float, float]:
-    """The share of an axle that a strip between two places across the road bears, of all that is between the walls, and its middle."""
-    ends = np.linspace(near, far, ACROSS + 1)
-    if offset is None:
-        wide = fill.clear[1] - fill.clear[0]
-        return (far - near) / wide, 0.5 * (near + far)
-    part, whole = np.zeros(ACROSS), 0.0
-    for wheel in (offset - 0.5 * vehicle.track, offset + 0.5 * vehicle.track):
-        part = part + np.diff(_below(ends - wheel, depth, vehicle.contact[1], fill))
-        whole += float(np.diff(_below(np.array(fill.clear) - wheel, depth, vehicle.contact[1], fill))[0])
-    share = float(part.sum()) / whole
-    middle = 0.5 * (ends[1:] + ends[:-1])
-    return share, float(np.sum(part * middle) / part.sum()) if part.sum() > 0.0 else 0.5 * (near + far)
-
-
 def on_bridge(table: VehicleTable, fills: Sequence[Fill], where: str) -> Fill:
     """The bridge on which a vehicle is.
 
@@ -252,9 +144,11 @@ def _bridge(fills: Sequence[Fill], where: str) -> Fill:
 
 def _check_road(table: VehicleTable, fill: Fill, where: str) -> None:
     """Refuse wheels that stand off the road."""
+    if table.across == "strip" and strips_of(fill, table.known, "line", 0.0).share.min() < 1.0 - 1e-9:
+        raise InputError(f"{where}.across", "a strip carries wheels where voussoirs are as wide as the road, without skew; take wheels")
     reach = 0.5 * (table.known.track + table.known.contact[1])
     low, high = table.offset - reach, table.offset + reach
-    if table.across == "wheels" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):
+    if table.across != "line" and (low < fill.clear[0] - 1e-9 or high > fill.clear[1] + 1e-9):
         raise InputError(
             f"{where}.offset",
             f"the vehicle stands next to the road: its wheels from y = {low:.4g} to {high:.4g} m, the road from "
@@ -270,12 +164,12 @@ def axles_at(table: VehicleTable, first: np.ndarray) -> np.ndarray:
 
 def strip_loads(table: VehicleTable, fill: Fill, first: np.ndarray) -> tuple[Strips, np.ndarray]:
     """The strips, and the load (M, S) [N] on each with the first axle at M places."""
-    strips, vehicle = strips_of(fill, table), table.known
+    strips, vehicle = strips_of(fill, table.known, table.across, table.offset), table.known
     axles = axles_at(table, first)
     total = np.zeros((len(first), len(strips.face)))
     for k, load in enumerate(vehicle.loads):
         total += load * strips.weights(axles[:, k], fill, vehicle.contact[0])
-    return strips, total
+    return strips, total * strips.heavier
 
 
 def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> LoadAction:
@@ -285,8 +179,8 @@ def vehicle(table: VehicleTable, grid: RunGrid, where: str) -> LoadAction:
         InputError: no bridge, no place, or one that is next to the road or never on it.
     """
     fill, loads = _loads(table, grid, where)
-    summary = table.facts("name", "offset", "position", "speed", "start")
-    summary |= {"axles": list(table.known.loads), "spacing": list(table.known.spacing)}
+    of_axles = {"axles": list(table.known.loads), "spacing": list(table.known.spacing)}
+    summary = table.facts("name", "offset", "position", "speed", "start") | of_axles
     return LoadAction(forces=tuple(loads), lines=(_line(table, fill, where),), summary=summary, acted=_acted(table, fill, where))
 
 

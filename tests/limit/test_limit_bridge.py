@@ -82,3 +82,16 @@ starts = 0
     assert at_it.associated.factor == pytest.approx(factor, rel=2e-4)
     assert factor < 0.98 * still.associated.factor
     assert any("Mononobe" in note for note in whole.loads.notes)
+
+
+def test_a_wide_bridge_bears_on_a_strip_what_one_as_wide_as_the_strip_bears() -> None:
+    """Of bridges as wide as the strip at the crown, and at the springings, which it lies between."""
+    wheels = {"kind": "vehicle", "axles": [1e4], "position": 1.25, "offset": 1.0}
+    found = factor(wheels | {"across": "strip"}, 0.7, width=8.0, cover=0.3)
+    crown, springing = 1.8 + 0.3 + 0.3, 1.8 + 0.3 + 0.3 + 1.5 + 0.45
+    least, most = (factor(wheels | {"across": "line", "offset": 0.0}, 0.7, width=wide, cover=0.3) for wide in (crown, springing))
+    assert least < found < most
+    edge = factor(wheels | {"across": "strip", "offset": 2.9}, 0.7, width=8.0, cover=0.3)
+    assert edge < found
+    whole = factor(wheels | {"across": "line"}, 0.7, width=8.0, cover=0.3)
+    assert whole > 2.0 * found

@@ -13,7 +13,7 @@ from bridge_scenes import GRAVITY, SPAN, bridge, grid
 from loads import build, fill
 from loads.bars import Forces, Tie
 from loads.kinds.vehicle import VEHICLES, VehicleTable, strip_loads, vehicle
-from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Assembly
 
 SOLID = [{"rigid": False, "height": 2.0}]
@@ -186,6 +186,29 @@ def test_two_to_one_is_even_over_the_contact_and_the_depth() -> None:
     density = load[0] / np.ptp(strips.ends, axis=1)
     under = np.abs(strips.ends.mean(axis=1) - 10.0) < 0.5
     assert density[under] == pytest.approx(1.0 / 1.2, rel=3e-3)
+
+
+@pytest.mark.parametrize(("offset", "track"), [(0.0, 1.8), (1.5, 1.8), (-1.9, 1.0), (0.0, 4.0)])
+def test_a_strip_is_as_wide_as_wheels_spread_and_ends_at_the_edges(offset: float, track: float) -> None:
+    """The union of what lies under either wheel, on a grid; or twice the narrower one of two strips apart."""
+    made, _ = bridge(width=6.0, cover=0.6)
+    keys = {"axles": [1.0], "offset": offset, "track": track, "contact": [0.3, 0.4]}
+    (strips, load), (_, line) = (strip_loads(table(across=a, **keys), made.fills[0], np.array([3.0])) for a in ("strip", "line"))
+    y = (np.arange(600_000) + 0.5) / 1e5 - 3.0
+    for k in np.flatnonzero(line[0] > 1e-3)[::7].tolist():
+        under = [np.abs(y - offset - side * 0.5 * track) < 0.5 * (0.4 + strips.depth[k]) for side in (-1.0, 1.0)]
+        apart = not (under[0] & under[1]).any()
+        wide = 2.0 * min(u.mean() for u in under) if apart else (under[0] | under[1]).mean()
+        assert load[0, k] * wide == pytest.approx(line[0, k], rel=1e-4)
+
+
+def test_a_narrow_road_is_a_strip_itself_and_slanted_voussoirs_have_none() -> None:
+    made, assembly = bridge(width=2.3, cover=0.6)
+    (_, load), (_, line) = (strip_loads(table(across=a, name="single"), made.fills[0], np.array([3.0])) for a in ("strip", "line"))
+    assert load == pytest.approx(line, rel=1e-12)
+    made, assembly = bridge(width=6.0, skew=20.0)
+    with pytest.raises(InputError, match=r"loads\[0\]\.across.*without skew"):
+        vehicle(table(name="single", across="strip", position=3.0), grid(made, assembly), "loads[0]")
 
 
 def test_an_axle_in_the_middle_loads_a_strip_in_its_plane() -> None:
