@@ -88,7 +88,7 @@ def test_a_wide_bridge_bears_on_a_strip_what_one_as_wide_as_the_strip_bears() ->
     """Of bridges as wide as the strip at the crown, and at the springings, which it lies between."""
     wheels = {"kind": "vehicle", "axles": [1e4], "position": 1.25, "offset": 1.0}
     found = factor(wheels | {"across": "strip"}, 0.7, width=8.0, cover=0.3)
-    crown, springing = 1.8 + 0.3 + 0.3, 1.8 + 0.3 + 0.3 + 1.5 + 0.45
+    crown, springing = 2.0 * (0.3 + 0.3), 1.8 + 0.3 + 0.3 + 1.5 + 0.45  # where each wheel has its own, and where they meet
     least, most = (factor(wheels | {"across": "line", "offset": 0.0}, 0.7, width=wide, cover=0.3) for wide in (crown, springing))
     assert least < found < most
     edge = factor(wheels | {"across": "strip", "offset": 2.9}, 0.7, width=8.0, cover=0.3)

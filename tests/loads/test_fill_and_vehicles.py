@@ -203,7 +203,7 @@ def test_a_strip_is_as_wide_as_wheels_spread_and_ends_at_the_edges(offset: float
 
 
 def test_a_narrow_road_is_a_strip_itself_and_slanted_voussoirs_have_none() -> None:
-    made, assembly = bridge(width=2.3, cover=0.6)
+    made, assembly = bridge(width=2.3, cover=2.0)
     (_, load), (_, line) = (strip_loads(table(across=a, name="single"), made.fills[0], np.array([3.0])) for a in ("strip", "line"))
     assert load == pytest.approx(line, rel=1e-12)
     made, assembly = bridge(width=6.0, skew=20.0)
