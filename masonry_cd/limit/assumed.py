@@ -37,7 +37,7 @@ BY = {"boussinesq": "by Boussinesq's line load", "2:1": "2:1"}
 class Row:
     """The load factor under an assumption."""
 
-    assumed: str  # scene, bond, crushing, fill, walls, spread or together
+    assumed: str  # scene, bond, crushing, fill, walls, rings, spread or together
     words: str
     factor: float | None  # None where there is no finite one, 0 where the structure does not stand
     why: str = ""  # there is none
@@ -202,6 +202,11 @@ def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[Row, Lim
     if "walls" in scene.structure:
         bare = replace(scene, structure={key: value for key, value in scene.structure.items() if key != "walls"})
         yield Row("walls", "without spandrel walls", None, key="without structure.walls"), limit_structure(bare)
+    ringed = [i for i, span in enumerate(scene.structure.get("spans") or ()) if span.get("rings", 1) > 1]
+    if ringed:
+        spans = [{**span, "rings": 1} for span in scene.structure["spans"]]
+        one = limit_structure(replace(scene, structure={**scene.structure, "spans": spans}))
+        yield Row("rings", "with rings that are one", None, key=" ".join(f"structure.spans[{i}].rings=1" for i in ringed)), one
     if any(load.get("kind") == "vehicle" for load in scene.loads):
         other = "2:1" if fills[0].spread == "boussinesq" else "boussinesq"
         open_ = not all(_states(scene, fill, "spread") for fill in fills)

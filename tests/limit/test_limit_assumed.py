@@ -206,3 +206,21 @@ def test_a_check_that_is_met_with_what_the_scene_does_not_state_is_not_decided()
         text + f"{spectrum}{asked}\n", "structure.fill.passive_shaken=0.3", "material.joints.compressive_strength=1e9"
     ).verdict
     assert stated is not None and stated.state == "satisfied"
+
+
+def test_rings_bear_as_one_where_they_are_bonded_and_less_the_less_they_are() -> None:
+    """With stones of both rings between the same joints, bond that does not break makes the one ring that a row of the table has."""
+    arch = PRESTWOOD | {"voussoirs": 9, "thickness": 0.44}
+    text = text_of(arch, ', spread = "2:1", passive = 0.0').replace("voussoirs = 9", "voussoirs = 9, rings = 2")
+    found = analysed(text, "material.friction=0.6").assumed
+    (row,) = [row for row in found.rows if row.assumed == "rings"]
+    one = analysed(text, "material.friction=0.6", row.key).whole
+    assert one is not None and row.factor == pytest.approx(one.analysis.governing.factor, rel=1e-9) and not row.counts
+    bond = "material.joints={default={}, arch1_ring1-arch1_ring2={cohesion=%g}}"
+    factors = [found.rows[0].factor]
+    for cohesion in (1e4, 3e4, 1e6):
+        bonded = analysed(text, "material.friction=0.6", bond % cohesion).whole
+        assert bonded is not None
+        factors.append(bonded.analysis.governing.factor)
+    assert factors == sorted(factors) and factors[0] < 0.7 * factors[-1]
+    assert factors[-1] == pytest.approx(row.factor, rel=1e-3)
