@@ -157,12 +157,16 @@ def on_ground(scene: Scene, structure: Structure) -> Structure:
     Raises:
         InputError: with file and line of the scene where a key is at fault.
     """
-    from masonry_cd.app.ground import footings_of, founded, founded_blocks
+    from masonry_cd.app.ground import footings_of, founded, founded_blocks, on_beds
 
     with scene.locating():
         made = footings_of(scene.ground, structure.assembly)
         notes = (*structure.notes, *(one.line for one in made))
-        whole = assembled(scene, founded_blocks(structure.blocks, made), notes, structure.bars)
+        lifted = next((i for i, table in enumerate(scene.ground) if table.uplift), None)
+        if lifted is not None and scene.events:
+            raise InputError(f"ground[{lifted}].uplift", "scenes with [[events]] have footings on springs alone")
+        on_bed = replace(scene, material=on_beds(scene.material, made))
+        whole = assembled(on_bed, founded_blocks(structure.blocks, made), notes, structure.bars)
         return replace(whole, assembly=founded(whole.assembly, made), fills=structure.fills)
 
 

@@ -16,9 +16,12 @@ import numpy as np
 
 from loads.supports import bearing, select
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import pressure
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.footings import Footings
 from masonry_cd.mechanics.model.ground_table import GroundTable
+from masonry_cd.mechanics.model.joint_laws import JointLaw
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
 
 SLAB = "ground"  # name of a kind's own one, or part of the name of its pieces
@@ -38,6 +41,7 @@ class Footing(NamedTuple):
     stiffness: np.ndarray  # (6, 6)
     damping: np.ndarray  # (6, 6)
     line: str
+    bed: JointLaw | None = None  # on which it may lift off; None: it stands on springs and dashpots
 
 
 def footings_of(tables: Sequence[GroundTable], assembly: Assembly) -> list[Footing]:
@@ -68,14 +72,35 @@ def founded_blocks(blocks: Sequence[Block], made: Sequence[Footing]) -> list[Blo
     return [*out, *(one.below for one in made)]
 
 
+def on_beds(material: Material, made: Sequence[Footing]) -> Material:
+    """A material with the laws of the beds on which footings may lift off.
+
+    Raises:
+        InputError: masonry that gives bond or strength to all joints, these among them.
+    """
+    beds = {f"{one.own.group}-{one.below.group}": one.bed for one in made if one.bed is not None}
+    if not beds:
+        return material
+    if material.masonry is not None and (material.masonry.cohesion or material.masonry.crushing):
+        raise InputError(
+            "ground.uplift", "a bed has no bond: masonry.shear_bond and masonry.crushing give all joints theirs, joints.* a pair"
+        )
+    return material.model_copy(update={"joints": {**material.joints, **beds}})
+
+
 def founded(assembly: Assembly, made: Sequence[Footing]) -> Assembly:
     """An assembly of founded blocks with the springs of its footings.
 
     Raises:
         InputError: a footing that would deform.
     """
+    springs = np.array([one.bed is None for one in made])
+    below = np.arange(assembly.count - len(made), assembly.count)[springs]
+    made = [one for one in made if one.bed is None]
+    if not made:
+        return assembly
     numbers = np.array([one.number for one in made])
-    blocks = np.stack([numbers, np.arange(assembly.count - len(made), assembly.count)], axis=1)
+    blocks = np.stack([numbers, below], axis=1)
     soft = np.zeros(0) if assembly.deformation is None else np.intersect1d(numbers, assembly.deformation.block)
     if len(soft):
         group = assembly.groups[int(assembly.group_of[soft[0]])]
@@ -109,10 +134,17 @@ def _footing(table: GroundTable, assembly: Assembly, number: int, where: str) ->
         below = _prism(block, name, plan, low - DEPTH * sides[1], low)
     mass = cut.density * cut.mass_properties.volume
     own = replace(cut, fixed=False, density=cut.density * (1.0 + table.added_mass / mass))
-    middle = np.array([*polygon_centroid(plan), low])
-    return Footing(
-        number, own, below, not is_slab, middle, stiffness, damping, _line(block.name, sides, mass + table.added_mass, stiffness)
-    )
+    middle, line, bed = np.array([*polygon_centroid(plan), low]), _line(block.name, sides, mass + table.added_mass, stiffness), None
+    if table.uplift:
+        area = abs(polygon_area(plan))
+        bed = JointLaw(
+            normal_stiffness=float(stiffness[2, 2]) / area,
+            tangential_stiffness=float(stiffness[0, 0]) / area,
+            compressive_strength=table.bearing_strength,
+        )
+        below = replace(below, group=name)
+        line = _bed_line(block.name, sides, bed)
+    return Footing(number, own, below, not is_slab, middle, stiffness, damping, line, bed)
 
 
 def _cut(block: Block, assembly: Assembly, projection: float, where: str) -> Block:
@@ -160,6 +192,16 @@ def _rectangle(plan: np.ndarray) -> tuple[tuple[float, float], np.ndarray]:
     values, vectors = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]))
     ratio = float(np.sqrt(values[1] / values[0]))
     return (float(np.sqrt(area * ratio)), float(np.sqrt(area / ratio))), vectors[:, 1]
+
+
+def _bed_line(name: str, sides: tuple[float, float], bed: JointLaw) -> str:
+    """Return the line on a footing that may lift off."""
+    normal, tangential = (1e-6 * value for value in bed.stiffness)
+    strength = f", yields at {pressure(bed.compressive_strength)}" if bed.compressive_strength else ""
+    return (
+        f'ground: footing "{name}", {sides[0]:.4g} m by {sides[1]:.4g} m, on a bed of {normal:.4g} MN/m3 down and {tangential:.4g} '
+        f"MN/m3 along, which does not pull{strength}"
+    )
 
 
 def _line(name: str, sides: tuple[float, float], mass: float, stiffness: np.ndarray) -> str:

@@ -165,6 +165,8 @@ def _on_ground(scene: Scene, asked: ModalOptions, structure: Structure) -> tuple
 
     if asked.method == "continuum":
         raise InputError("modal.method", 'the continuum has held supports; "joints" has the springs of [[ground]], --set ground=[] none')
+    if any(table.uplift for table in scene.ground):
+        raise InputError("ground.uplift", "modes are of footings on springs, which do not lift off; --set ground[0].uplift=false")
     left = ["continuum: left out, it has held supports, and those of this scene stand on [[ground]]"] if asked.method == "both" else []
     return asked.model_copy(update={"method": "joints"}), on_ground(scene, structure), left
 

@@ -12,8 +12,10 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from masonry_cd.foundation.fields import Number, Table
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.impedance import Soil, impedance
+from masonry_cd.mechanics.model.usual import COMPRESSION
 
 LEAST, MOST = 0.0, 0.5  # Poisson's ratio
+OF_BED = ("x", "z")  # stiffness that a bed without tension follows
 Above = Annotated[Number, Field(gt=0.0)]
 Least = Annotated[Number, Field(ge=0.0)]
 Metres = Annotated[Above, Unit("m")]
@@ -97,6 +99,11 @@ class GroundTable(Table):
     tower, wall, church or column."""
     added_mass: Annotated[Least, Unit("kg")] = 0.0
     """Moves with the footing, spread over it."""
+    uplift: bool = False
+    """Footings stand on a bed that bears nothing but pressure, instead of springs and dashpots: they may lift off. The bed has the
+    stiffness of shifts along z and x, per area."""
+    bearing_strength: Annotated[Above, Unit("Pa"), COMPRESSION] | None = None
+    """Pressure at which the bed yields for good; never when not given."""
     stiffness: Springs = Field(default_factory=Springs)
     """Stiffness of the springs, instead of those of the soil."""
     damping: Dashpots = Field(default_factory=Dashpots)
@@ -112,13 +119,24 @@ class GroundTable(Table):
         if moduli and lacking:
             raise ValueError(f"{moduli[0]} needs {' and '.join(lacking)} of the soil")
         if not moduli:
-            missing = [name for name in Springs.model_fields if getattr(self.stiffness, name) is None]
+            needed = OF_BED if self.uplift else tuple(Springs.model_fields)
+            missing = [name for name in needed if getattr(self.stiffness, name) is None]
             if missing:
                 raise ValueError(f"give the soil (shear_wave_velocity, density, poisson), or stiffness.{', stiffness.'.join(missing)}")
             idle = [name for name in ("density", "poisson", "frequency", "length", "width") if getattr(self, name) is not None]
             idle += [name for name in ("embedment", "material_damping") if getattr(self, name) > 0.0]
             if idle:
                 raise ValueError(f"{idle[0]} counts with shear_wave_velocity or shear_modulus alone")
+        if self.bearing_strength is not None and not self.uplift:
+            raise ValueError("bearing_strength needs uplift = true: springs do not yield, a bed does")
+        if self.uplift:
+            idle = [
+                f"stiffness.{name}" for name in Springs.model_fields if name not in OF_BED and getattr(self.stiffness, name) is not None
+            ]
+            idle += [f"damping.{name}" for name in Dashpots.model_fields if getattr(self.damping, name) is not None]
+            idle += ["material_damping"] if self.material_damping else []
+            if idle:
+                raise ValueError(f"{idle[0]} counts without uplift alone: a bed has the stiffness along z and x, and no dashpots")
         if self.material_damping and self.frequency is None:
             raise ValueError("material_damping needs the frequency at which it is that share of critical")
         if self.length is not None and self.width is not None and self.width > self.length:

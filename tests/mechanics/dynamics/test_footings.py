@@ -5,17 +5,22 @@ from __future__ import annotations
 
 from copy import deepcopy
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import masonry_cd as mc
+from masonry_cd.analysis.pushover import require_pushes
 from masonry_cd.app.case import prepare
-from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.ground_table import GroundTable
 from masonry_cd.mechanics.model.impedance import Soil, impedance
 from masonry_cd.studies.assess.assumptions import assumptions_of
+from masonry_cd.studies.laboratory.case import run_in
+from structures.geometry.prism import box
 
 G = 9.81
 STIFF = {"x": 1e14, "y": 1e14, "z": 1e14, "rx": 1e15, "ry": 1e15, "rz": 1e15}
@@ -258,3 +263,64 @@ def test_an_assessment_halves_and_doubles_the_stiffness_of_the_soil():
         made = [GroundTable(**keys).of_footing((4.0, 2.0), np.array([1.0, 0.0]))[0] for keys in (soil, *tables["ground"])]
         before, after = map(np.diagonal, made)
         assert after == pytest.approx(factor * before, rel=1e-12)
+
+
+# --- a bed that does not pull ----------------------------------------------------------------------------------------------------
+
+WIDTH, BED, TOP, WEIGHT = 2.0, 5e7, 2.0, G * MASS  # of the footing [m], stiffness of the bed [N/m3], where it is pushed [m], [N]
+
+
+def rocked(folder: Path, **ground: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Turns [rad] of a footing and the block that is one with it, pushed at the top, and moments about the middle of the base [N m]."""
+    area = WIDTH * WIDTH
+    blocks = [
+        Block("footing", *box((-1.0, -1.0, -1.0), (1.0, 1.0, 0.0)), 2000.0, "base", fixed=True),
+        Block("block", *box((-0.9, -0.9, 0.0), (0.9, 0.9, TOP)), 2000.0, "wall"),
+    ]
+    push = {"kind": "push", "control": "displacement", "direction": "x", "blocks": "block", "point": [0.0, 0.0, TOP]}
+    tables = {
+        "title": "A footing that rocks",
+        "material": {"density": 2000.0, "friction": 2.0},
+        "links": [{"kind": "rigid", "blocks": ["block", "footing"]}],
+        "ground": [{"uplift": True, "stiffness": {"x": 100.0 * BED * area, "z": BED * area}} | ground],
+        "loads": [push | {"targets": [0.045], "speed": 0.02}],
+        "run": {"dt": 5e-3, "tolerance": 1e-8, "frames_per_second": 20.0},
+    }
+    with run_in(folder, blocks, tables) as results:
+        names = [block.name for block in results.blocks]
+        turn = 2.0 * np.asarray(results.orientation[:, names.index("footing"), 2])
+        curve = require_pushes(results)[0]
+        force = np.interp(results.time, curve.time, curve.force)
+    return turn, force * (TOP + 1.0) + WEIGHT * HEIGHT * turn  # the weight goes with the turn
+
+
+def test_a_footing_on_a_bed_lifts_off_by_the_closed_form(tmp_path: Path) -> None:
+    # Pressed over s: N = k B s^2 theta / 2, M = N (L / 2 - s / 3); before, M = k B L^3 theta / 12.
+    turn, moment = rocked(tmp_path)
+    lifted = turn > 1.2 * 2.0 * WEIGHT / (BED * WIDTH**3)
+    length = np.sqrt(2.0 * WEIGHT / (BED * WIDTH * turn[lifted]))
+    assert lifted.sum() > 10
+    assert moment[lifted] == pytest.approx(WEIGHT * (WIDTH / 2.0 - length / 3.0), rel=0.03)
+    whole = (turn > 0.2 * WEIGHT / (BED * WIDTH**3)) & (turn < 1.8 * WEIGHT / (BED * WIDTH**3))
+    assert moment[whole] == pytest.approx(BED * WIDTH**4 * turn[whole] / 12.0, rel=0.03)
+
+
+def test_a_bed_yields_at_its_bearing_strength(tmp_path: Path) -> None:
+    strength = 4.0 * WEIGHT / WIDTH**2
+    turn, moment = rocked(tmp_path, bearing_strength=strength)
+    expected = WEIGHT * WIDTH / 2.0 * (1.0 - WEIGHT / (strength * WIDTH**2))  # M = N L / 2 (1 - N / (q B L))
+    assert turn[-1] > 5e-3
+    assert moment.max() == pytest.approx(expected, rel=0.04)
+
+
+@pytest.mark.parametrize(
+    ("ground", "message"),
+    [
+        ({"bearing_strength": 1e5}, "bearing_strength needs uplift"),
+        ({"uplift": True, "stiffness": {"x": 1e9, "z": 1e9}, "damping": {"x": 1e5}}, "damping.x counts without uplift"),
+        ({"uplift": True, "stiffness": {"z": 1e9}}, "stiffness.x"),
+    ],
+)
+def test_keys_of_beds_go_together(ground: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        scene_of({"stiffness": STIFF} | ground)
