@@ -29,6 +29,7 @@ from masonry_cd.mechanics.model.fill import Fill, FillFace
 
 THIRTY = math.pi / 6.0  # where Boussinesq's stresses are cut off
 ALONG, ACROSS, LINES = 3, 8, 5  # strips of a face along the road, and across it; lines that stand for a contact
+FINE = 12  # cells along either side of a triangle of a face that wheels press
 LEAST_DEPTH = 0.01  # [m] at which a load is spread at least, so that none falls between two strips
 ON = ("extrados", "top")
 
@@ -131,3 +132,35 @@ def _across(near: float, far: float, depth: float, fill: Fill, vehicle: Known, o
     share = float(part.sum()) / whole
     middle = 0.5 * (ends[1:] + ends[:-1])
     return share, float(np.sum(part * middle) / part.sum()) if part.sum() > 0.0 else 0.5 * (near + far)
+
+
+def stress_under(fill: Fill, vehicle: Known, line: str, offset: float, axles: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """The upright stress (N,) [Pa] of axles at places (A,) along the road, even over what 2:1 reaches, at points (N, 3) in the world.
+
+    ``line`` and ``offset`` are those of :func:`strips_of`; an axle that is not on the road loads nothing.
+    """
+    own = fill.along(points)
+    depth = np.maximum(fill.level - own[:, 2], LEAST_DEPTH)
+    long, low, high = vehicle.contact[0] + depth, *fill.clear
+    wheels = (offset - 0.5 * vehicle.track, offset + 0.5 * vehicle.track)
+    spread = [(wheel, vehicle.contact[1] + depth, 0.5) for wheel in wheels]
+    if line == "line":
+        spread = [(0.5 * (low + high), np.full_like(depth, high - low), 1.0)]
+    total = np.zeros(len(own))
+    for load, at in zip(vehicle.loads, axles, strict=True):
+        if fill.deck[0] <= at <= fill.deck[1]:
+            for middle, wide, share in spread:
+                under = (np.abs(own[:, 0] - at) <= 0.5 * long) & (np.abs(own[:, 1] - middle) <= 0.5 * wide * (1.0 + 1e-9))
+                total += np.where(under, share * load / (long * wide), 0.0)
+    return total
+
+
+def places_on(face: FillFace) -> tuple[np.ndarray, np.ndarray]:
+    """Places (N, 3) all over a face, and the area of each (N,) [m, m2]: cells of a grid on the triangles of a fan, of each as large."""
+    first, grid = face.corners[0], (np.arange(FINE) + 0.5) / FINE
+    u, v = np.sqrt(grid)[:, None, None], grid[None, :, None]
+    places, areas = list[np.ndarray](), list[np.ndarray]()
+    for b, c in pairwise(face.corners[1:]):
+        places.append(((1.0 - u) * first + u * (1.0 - v) * b + u * v * c).reshape(-1, 3))
+        areas.append(np.full(FINE**2, 0.5 * math.sqrt(float((np.cross(b - first, c - first) ** 2).sum())) / FINE**2))
+    return np.concatenate(places), np.concatenate(areas)

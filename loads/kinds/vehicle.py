@@ -26,7 +26,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from loads.acted import Acted, over_time
 from loads.bars import PointLoad
 from loads.motion import LoadAction, LoadKind, LoadTable, Places, RunGrid, Static
-from loads.wheels import Known, Strips, strips_of
+from loads.wheels import ON, Known, Strips, places_on, stress_under, strips_of
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
 from masonry_cd.foundation.units import Unit, Usual
@@ -259,9 +259,29 @@ def _end(table: VehicleTable, grid: RunGrid, where: str) -> float:
 
 
 def _static(table: VehicleTable, grid: RunGrid, where: str) -> Static:
-    """All axles, standing where the first is at the position."""
+    """All axles, standing where the first is at the position, and their pressure on walls and backs of abutments."""
     standing = table.model_copy(update={"speed": 0.0, "start": 0.0, "ramp": 0.0})
-    return Static(f"{where} (vehicle)", tuple(_loads(standing, grid, where)[1]))
+    fill, loads = _loads(standing, grid, where)
+    return Static(f"{where} (vehicle)", (*loads, *_pressing(standing, fill, grid)))
+
+
+def _pressing(table: VehicleTable, fill: Fill, grid: RunGrid) -> list[PointLoad]:
+    """K_a times the upright stress under wheels, at right angles to walls and backs that may move; nothing where fill does not press."""
+    assembly, k = grid.blocks("loads"), 0.0 if fill.pressure == "none" else fill.coefficients["active"]
+    axles = axles_at(table, np.array([_begin(table, fill)]))[0]
+    number, found = {name: b for b, name in enumerate(assembly.names)}, list[PointLoad]()
+    for face in fill.faces if k > 0.0 else ():
+        block = number.get(face.block)
+        if face.kind in ON or block is None or assembly.fixed[block]:
+            continue
+        places, areas = places_on(face)
+        force = areas * stress_under(fill, table.known, table.across, table.offset, axles, places)
+        total = float(force.sum())
+        if total > 0.0:
+            place = (force[:, None] * places).sum(axis=0) / total
+            way = -face.area / np.sqrt((face.area**2).sum())
+            found.append(PointLoad(block, place - assembly.centre[block], k * total * way, np.ones(len(grid.times))))
+    return found
 
 
 def _places(table: VehicleTable, fills: Sequence[Fill], where: str) -> Places:

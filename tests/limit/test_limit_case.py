@@ -198,10 +198,10 @@ def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
 
 def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
     blocks = [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.1, 1.5))]
-    assert not any("before its tolerance" in line for line in said(limit_case(scene(tmp_path, blocks, PUSH))))
+    assert not any("before it met its tolerance" in line for line in said(limit_case(scene(tmp_path, blocks, PUSH))))
     monkeypatch.setattr(programme, "MOST", 4)
     found = limit_case(scene(tmp_path, blocks, PUSH))
-    warned = [line for line in facts(found)["notes"] if "before its tolerance (MaxIterations after 4 iterations)" in line]
+    warned = [line for line in facts(found)["notes"] if "before it met its tolerance (MaxIterations after 4 iterations)" in line]
     assert any("the load factor" in line for line in warned)
 
 

@@ -70,7 +70,7 @@ def test_what_the_scene_leaves_open_is_assumed_against_the_bridge_as_in_its_verd
     assert own.factor == pytest.approx(decides.factor, rel=2e-3) and own.factor < 0.9 * own.computed
     assert "passive pressure" in own.decides and "structure.fill.passive=0" in own.key
     again = limit_case(scene(*own.key.split(), "limit.rating.factor=1")).whole
-    assert again is not None and again.analysis.governing.factor == pytest.approx(own.factor, rel=1e-3)
+    assert again is not None and again.analysis.governing.factor == pytest.approx(own.factor, rel=5e-3)  # places 1/400 apart
 
 
 def test_the_level_is_the_heaviest_of_which_every_axle_is_borne() -> None:

@@ -10,6 +10,7 @@ from test_limit_assumed import DEEP_ARCH, PRESTWOOD, by_own_programme, text_of
 
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.limit.assumed import STRENGTH
 from masonry_cd.limit.case import limit_case
 from masonry_cd.limit.service import Service
 
@@ -35,7 +36,7 @@ def test_factors_are_those_of_a_programme_of_its_own_at_the_same_place(arch: dic
     assert opening.position is not None and stress.position is not None
     third = by_own_programme(arch | {"at": opening.position}, 0.5, inset=1.0 / 3.0)
     assert opening.factor == pytest.approx(third, rel=0.02)
-    assert stress.factor == pytest.approx(by_own_programme(arch | {"at": stress.position}, 0.5, 2.5e6, 60), rel=0.02)
+    assert stress.factor == pytest.approx(by_own_programme(arch | {"at": stress.position}, 0.5, 0.5 * STRENGTH, 60), rel=0.02)
     assert opening.factor < stress.factor < by_own_programme(arch | {"at": opening.position}, 0.5)
 
 

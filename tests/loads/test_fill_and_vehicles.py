@@ -12,7 +12,7 @@ from bridge_scenes import GRAVITY, SPAN, bridge, grid
 
 from loads import build, fill
 from loads.bars import Forces, Tie
-from loads.kinds.vehicle import VEHICLES, VehicleTable, strip_loads, vehicle
+from loads.kinds.vehicle import KINDS, VEHICLES, VehicleTable, strip_loads, vehicle
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -278,3 +278,41 @@ def test_under_a_push_pressure_grows_along_it_and_resistance_falls() -> None:
     for name, limit in limits[0].items():
         share = passive / 3.0 if name.endswith("right") else 1.0
         assert limits[1][name] == pytest.approx(share * limit)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_wheels_press_walls_by_k_a_of_what_two_to_one_reaches(offset: float) -> None:
+    """In sum what a grid over the inner face of a wall gives, by the load of a wheel over the area that it reaches at each depth."""
+    made, assembly = bridge(width=4.0, cover=0.5, walls={"course_height": 0.5, "unit_length": 1.0}, fill={"friction_angle": 30.0})
+    found = made.fills[0]
+    keys = {"axles": [2.0], "position": 2.0, "track": 1.8, "contact": [0.3, 0.3], "offset": offset}
+    still = [0] * 2
+    for side, sign in enumerate((-1.0, 1.0)):
+        loads = KINDS["vehicle"].static(table(**keys), grid(made, assembly), "loads[0]").points
+        name = ("spandrel_front", "spandrel_back")[side]
+        some = [load for load in loads if assembly.names[load.block].startswith(name)]
+        still[side] = float(sum(load.force[1] for load in some if abs(load.force[1]) > 0.0))
+        far = found.clear[1] - sign * offset  # from the wall to the middle of the vehicle
+        dx = 2e-3
+        x = np.arange(0.0, 6.0, dx) + 0.5 * dx
+        total = 0.0
+        for face in found.faces:
+            if face.kind != "wall" or not face.block.startswith(name):
+                continue
+            z = face.corners[:, 2]
+            for depth in np.arange(found.level - z.max(), found.level - z.min(), dx) + 0.5 * dx:
+                inside = crossed(face.corners[:, [0, 2]], found.level - depth)
+                wide = 0.3 + depth
+                wheels = sum(abs(far + s * 0.9) <= 0.5 * wide for s in (-1.0, 1.0))
+                total += wheels * 1.0 / wide**2 * dx * dx * float(((x > inside[0]) & (x < inside[1]) & (abs(x - 2.0) < 0.5 * wide)).sum())
+        assert sign * still[side] == pytest.approx(total / 3.0, rel=0.03, abs=1e-6)
+    assert still[0] == pytest.approx(-still[1], rel=1e-9) if offset == 0.0 else abs(still[1]) > abs(still[0])
+
+
+def crossed(polygon: np.ndarray, height: float) -> tuple[float, float]:
+    """Where a level line enters and leaves a convex polygon (n, 2)."""
+    found = []
+    for (x0, z0), (x1, z1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if (z0 - height) * (z1 - height) < 0.0:
+            found.append(x0 + (height - z0) / (z1 - z0) * (x1 - x0))
+    return (min(found), max(found)) if found else (0.0, 0.0)
