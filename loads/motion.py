@@ -23,6 +23,7 @@ from loads.bars import PointLoad, Tie
 from loads.turning import Turned
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.guides import Guide
@@ -207,7 +208,7 @@ class Direction:
 
 
 def parse_direction(value: object) -> Direction:
-    """Read "x", "-y", "+z" or a vector of three numbers, which is normalised.
+    """Read "x", "-y", "+z", a vector of three numbers, which is normalised, or the angle of a level direction from x towards y [degrees].
 
     Raises:
         ValueError: anything else, a vector of zero length included.
@@ -217,12 +218,15 @@ def parse_direction(value: object) -> Direction:
     if isinstance(value, str):
         axis = AXES.get(value.strip().lstrip("+-").lower())
         if axis is None or len(value.strip()) > 2:
-            raise ValueError('must be "x", "y", "z", one of these with a sign ("-x"), or a vector')
+            raise ValueError('must be "x", "y", "z", one of these with a sign ("-x"), a vector, or an angle such as "30 deg"')
         sign = -1.0 if value.strip().startswith("-") else 1.0
         return Direction((sign * axis[0] + 0.0, sign * axis[1] + 0.0, sign * axis[2] + 0.0), value.strip())
+    if is_number(value):
+        angle = math.radians(float(value))  # type: ignore[arg-type]
+        return Direction((math.cos(angle), math.sin(angle), 0.0), f"{value:g} degrees from x")
     numbers = list(value) if isinstance(value, (list, tuple)) else []
     if len(numbers) != 3 or not all(map(is_number, numbers)):
-        raise ValueError('must be "x", "y", "z" or a vector of three numbers such as [1, 0, 0]')
+        raise ValueError('must be "x", "y", "z", a vector of three numbers such as [1, 0, 0], or an angle such as "30 deg"')
     numbers = [float(n) for n in numbers]
     length = math.hypot(*numbers)
     if not np.isfinite(length) or length == 0.0:
@@ -240,7 +244,9 @@ def lifts(way: Sequence[float] | np.ndarray, down: np.ndarray) -> bool:
 
 _AXIS = {"enum": [sign + axis for axis in AXES for sign in ("", "-")]}
 _VECTOR: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-DirectionKey = Annotated[Direction, BeforeValidator(parse_direction), WithJsonSchema({"anyOf": [_AXIS, _VECTOR]})]
+DirectionKey = Annotated[
+    Direction, Unit("degrees"), BeforeValidator(parse_direction), WithJsonSchema({"anyOf": [_AXIS, _VECTOR, {"type": "number"}]})
+]
 
 
 def smooth_step(x: np.ndarray) -> np.ndarray:

@@ -54,7 +54,7 @@ class SpectrumMatch(SiteSpectrum):
     """The keys that say which accelerogram is drawn, and where it acts."""
 
     direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
+    """Axis ("x", "-y" ...), vector or level angle from x to y along which the base moves."""
     spectrum: SpectrumName
     """Spectrum of EN 1998-1:2004 or 1998-1-1:2024, NTC 2018, ASCE 7 or NZS 1170.5, or a table of ordinates."""
     vertical: bool = False

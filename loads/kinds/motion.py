@@ -58,9 +58,9 @@ class MotionTable(LoadTable):
     rotation: Annotated[Numbers | None, Unit("degrees")] = None
     """Angle at these times, about the axis."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
-    """Axis or vector along which the supports move."""
+    """Axis, vector or level angle from x to y along which the supports move."""
     axis: DirectionKey | None = None
-    """Axis or vector about which they turn, by the right hand."""
+    """Axis, vector or level angle from x to y about which they turn, by the right hand."""
     about: Annotated[Vector | None, Unit("m")] = None
     """Point about which they turn, as built, which moves with them; each about its own centre of mass when not given."""
     start: Instant = 0.0

@@ -17,7 +17,7 @@ class PropTable(GuidedKeys, LoadTable):
 
     kind: Literal["prop"] = "prop"
     direction: DirectionKey
-    """Axis or vector along which the blocks are held; across it they are free, so one along x holds in the horizontal only."""
+    """Axis, vector or level angle from x to y along which the blocks are held; across it they are free: one along x holds no weight."""
 
 
 def prop(table: PropTable, grid: RunGrid, where: str) -> LoadAction:

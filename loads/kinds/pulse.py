@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""A pulse: a body force on every block that begins, ends, and leaves nothing behind.
 
-    half-sine    a sin(pi x),       rectangle    a,       sine    a sin(2 pi x),        x = (t - start) / duration in [0, 1],
+    half-sine    a sin(pi x),     rectangle    a,     sine    a sin(2 pi x),     cosine    a cos(2 pi x),     x = (t - start) / duration
 
-along a direction, and zero elsewhere. Seen from a base that is accelerated by -a this is the force of inertia. Each step gets the mean of
-the pulse over it, so that its impulse is exact whatever the step.
+for x in [0, 1], along a direction, and zero elsewhere. Seen from a base that is accelerated by -a this is the force of inertia. Each step
+gets the mean of the pulse over it, so that its impulse is exact whatever the step. A sine leaves a base moved, a cosine where it was: the
+pulses of types A and B of Makris & Chang, EERC Report 98/02, 1998.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.usual import ACCELERATIONS
 
 BLOW = Usual(0.3, 50.0 * STANDARD_GRAVITY, "0.3 m/s2 (0.03 g) harms no masonry, blows beyond 50 g are rare", ACCELERATIONS)
+SIGNS = {  # x between which a shape keeps its sign
+    "half-sine": (0.0, 1.0), "rectangle": (0.0, 1.0), "sine": (0.0, 0.5, 1.0), "cosine": (0.0, 0.25, 0.75, 1.0),
+}  # fmt: skip
 
 
 class PulseTable(LoadTable):
@@ -29,13 +33,13 @@ class PulseTable(LoadTable):
 
     kind: Literal["pulse"] = "pulse"
     direction: DirectionKey
-    """Axis or vector along which it acts on every block."""
+    """Axis, vector or angle from x towards y along which it acts on every block."""
     acceleration: Annotated[float, Unit("m/s2"), BLOW]
     """Its peak."""
     duration: Span
     """How long it lasts."""
-    shape: Literal["half-sine", "rectangle", "sine"] = "half-sine"
-    """How it goes."""
+    shape: Literal["half-sine", "rectangle", "sine", "cosine"] = "half-sine"
+    """History of its acceleration."""
     start: Instant = 0.0
     """When it begins."""
 
@@ -62,10 +66,9 @@ def pulse(table: PulseTable, grid: RunGrid, where: str) -> LoadAction:
 
 def _passed(table: PulseTable, x: float) -> float:
     """The share of the integral of its size that has passed at x."""
-    half = _integral(table, np.array([table.start + (0.5 if x > 0.5 else x) * table.duration, table.start + x * table.duration]))
-    if table.shape == "sine":  # whose second half takes away what the first gave
-        return float((2.0 * half[0] - half[1]) / table.duration * 0.5 * np.pi)
-    return float(half[1] / _integral(table, np.array([table.start + table.duration]))[0])
+    ends = (table.start + table.duration * np.clip(SIGNS[table.shape], 0.0, end) for end in (x, 1.0))
+    passed = [np.abs(np.diff(_integral(table, times))).sum() for times in ends]
+    return float(passed[0] / passed[1])
 
 
 def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:
@@ -73,6 +76,8 @@ def _integral(table: PulseTable, times: np.ndarray) -> np.ndarray:
     x = np.clip((times - table.start) / table.duration, 0.0, 1.0)
     if table.shape == "rectangle":
         return np.asarray(table.duration * x)
+    if table.shape == "cosine":
+        return np.asarray(table.duration * libm.sin(2.0 * np.pi * x) / (2.0 * np.pi))
     turns = 1.0 if table.shape == "half-sine" else 2.0
     return np.asarray(table.duration * (1.0 - libm.cos(turns * np.pi * x)) / (turns * np.pi))
 

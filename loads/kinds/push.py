@@ -42,7 +42,7 @@ class PushTable(DrivenKeys, LoadTable):
 
     kind: Literal["push"] = "push"
     direction: DirectionKey
-    """Axis or vector along which the body force acts, or the blocks are moved."""
+    """Axis, vector or level angle from x to y along which the body force acts, or the blocks are moved."""
     control: Literal["force", "displacement"] = "force"
     """A body force that grows, or blocks that are moved and whose reaction is recorded."""
     rate: Annotated[Positive, Unit("1/s")] | None = None

@@ -33,7 +33,7 @@ class Recorded(Accelerogram):
     """An accelerogram and where it acts."""
 
     direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
+    """Axis ("x", "-y" ...), vector or level angle from x to y along which the base moves."""
 
     @property
     def fade(self) -> float:

@@ -49,7 +49,7 @@ class SpreadingTable(LoadTable):
     supports: Names = None
     """Names of fixed blocks or groups; all when not given."""
     direction: DirectionKey
-    """Axis or vector along which the ground stretches."""
+    """Axis, vector or level angle from x to y along which the ground stretches."""
     displacement: Annotated[float, Unit("m"), SPREAD, *MOVED]
     """Displacement by which the outermost supports part."""
     start: Instant = 0.0
@@ -65,7 +65,7 @@ class SettlementTable(SpreadingTable):
     supports: NeededNames
     """Names of fixed blocks or groups; * stands for any letters."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
-    """Axis or vector along which they move."""
+    """Axis, vector or level angle from x to y along which they move."""
     displacement: Annotated[float, Unit("m"), SETTLED, *MOVED]
     """How far they move."""
 

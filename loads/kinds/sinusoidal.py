@@ -37,7 +37,7 @@ class SinusoidalTable(ShakingTable):
 
     kind: Literal["sinusoidal"] = "sinusoidal"
     direction: DirectionKey
-    """Axis ("x", "-y" ...) or vector along which the base moves."""
+    """Axis ("x", "-y" ...), vector or level angle from x to y along which the base moves."""
     amplitude: Annotated[float, Unit("m/s"), SINE]
     """C, of the velocity."""
     frequency: Annotated[Positive, Unit("Hz")]

@@ -9,7 +9,7 @@ import typer
 
 from masonry_cd.app.result import Result, said
 from masonry_cd.cli.printing import warn
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, Trust
+from masonry_cd.cli.shared import Changes, Force, Output, Planned, Quiet, Retry, SceneFile, Trust
 
 
 def assess(
@@ -21,8 +21,8 @@ def assess(
         bool, typer.Option("--global", help="All properties of the structure varied at once as well, and the share of each in the answer.")
     ] = False,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="all cores")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")] = False,
-    plan: Annotated[bool, typer.Option("--plan", help="Say how many runs there are, and make none.")] = False,
+    retry: Retry = False,
+    plan: Planned = False,
     report: Annotated[bool, typer.Option("--report", help="Write again what follows from the runs in DIR; make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,

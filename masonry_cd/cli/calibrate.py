@@ -10,19 +10,17 @@ import typer
 
 from masonry_cd.app.result import Result, said
 from masonry_cd.cli.printing import warn
-from masonry_cd.cli.shared import Force, Output, Quiet, Trust
+from masonry_cd.cli.shared import Force, Output, Planned, Quiet, Retry, Scheduler, Slurm, Trust, Workers
 
 
 def calibrate(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file with [[observations]] (TOML).", show_default=False)],
     output: Output,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
-    ] = None,
-    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
-    slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Make samples again that failed or timed out.")] = False,
-    plan: Annotated[bool, typer.Option("--plan", help="Check the study, say how many samples there are at most, and make none.")] = False,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = None,
+    retry: Retry = False,
+    plan: Planned = False,
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,

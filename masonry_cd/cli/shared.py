@@ -34,6 +34,13 @@ Trust = Annotated[
         "--trust", help="Run code that the scene names: files of Python, programs of gmsh (.geo).", callback=_trust, show_default=False
     ),
 ]
+Workers = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
+]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")]
+Slurm = Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")]
+Retry = Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")]
+Planned = Annotated[bool, typer.Option("--plan", help="Check everything, say how many runs there are, and make none.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
 
 

@@ -10,21 +10,19 @@ import typer
 
 from masonry_cd.app.result import Result, said
 from masonry_cd.cli.printing import warn
-from masonry_cd.cli.shared import Force, Output, Quiet, Trust, exclude
+from masonry_cd.cli.shared import Force, Output, Planned, Quiet, Retry, Scheduler, Slurm, Trust, Workers, exclude
 
 
 def study(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
     output: Output,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
-    ] = None,
-    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
-    slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = None,
     print_job: Annotated[bool, typer.Option("--print-job", help="Print the job that --slurm would submit, and make no run.")] = False,
-    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")] = False,
+    retry: Retry = False,
     resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
-    plan: Annotated[bool, typer.Option("--plan", help="Check the study, print how many runs it has, and make none.")] = False,
+    plan: Planned = False,
     report: Annotated[bool, typer.Option("--report", help="Fit and draw again from the runs in DIR; make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,

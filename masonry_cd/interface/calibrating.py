@@ -82,7 +82,7 @@ class Calibration(Sealed):
 
     @property
     def lines(self) -> list[str]:
-        """The verdict, the ranges, and what would help most: the closing lines of the command line."""
+        """The verdict, the ranges, the likeliest motion, and what would help most: the closing lines of the command line."""
         return self._found.lines
 
     @property
@@ -101,6 +101,19 @@ class Calibration(Sealed):
         if self.refused:
             raise InputError("", self.verdict)
         return drawn(lambda path: posterior_picture(self._found, path))
+
+    def plot_motion(self) -> Image:
+        """The likelihood of an unknown motion over two of its numbers, as PGA and period.
+
+        Raises:
+            InputError: there is no answer, or the motion is known.
+        """
+        from reports.calibrate.motion_picture import motion_picture
+
+        found, of = self._found, self._found.map
+        if self.refused or of is None:
+            raise InputError("", self.verdict if self.refused else "the motion is known, or only one number of it varies")
+        return drawn(lambda path: motion_picture(found, of, path))
 
     def page(self) -> Page:
         """calibrate.html with all of it, which needs no network."""

@@ -14,6 +14,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import counted
+from reports.calibrate.motion_picture import MAP, motion_picture
 from reports.calibrate.picture import PICTURE, posterior_picture
 from reports.page.document import Head, pictures, rows_of_many, write_document
 from reports.study.tables import DIGITS
@@ -25,7 +26,11 @@ CAPTION = (
     "more they weigh. To the right, each observation in standard deviations of its error: grey what was thought possible before, blue what "
     "the posterior predicts, 5 to 95 %, and the diamond with its bar what was observed."
 )
-UNKNOWN = ("unknown", "unit", "5 %", "50 %", "95 %", "mean", "std", "before: 5 %", "95 %")
+OF_MAP = (
+    "The likelihood of the motion over its largest value, a mean over all other unknowns. Within the lines lie 50 and 90 % of the "
+    "posterior; the cross is the likeliest motion, the dots are the samples, larger the more they weigh. White: no samples."
+)
+UNKNOWN = ("unknown", "unit", "5 %", "50 %", "95 %", "mean", "std", "before: 5 %", "95 %", "learnt")
 OBSERVED = ("observation", "observed", "error", "predicted: 5 %", "50 %", "95 %", "before: 5 %", "95 %", "off [std]", "helps [%]")
 READ = (
     "A sample weighs its prior times its likelihood over the density from which it was drawn, that of all rounds together. An observation "
@@ -37,18 +42,22 @@ READ = (
 def write_posterior(found: Posterior, folder: Path) -> list[Path]:
     """Write what a posterior says; the picture only where it is an answer."""
     own_files.begin(folder, FILES)
-    own_files.remove(folder, (PICTURE,))
+    own_files.remove(folder, (PICTURE, MAP))
     write_json(folder / JSON, found.as_dict(), DIGITS)
     titles = [one.title for one in found.observations]
     columns = [found.rounds.tolist(), found.weights.tolist(), *found.unknowns.values(), *found.predicted.T.tolist()]
     write_csv(folder / CSV, ["round", "weight", *found.unknowns, *titles], zip(*columns, strict=True), DIGITS)
-    if not found.refused:
+    drawn = {} if found.refused else {folder / PICTURE: CAPTION}
+    if drawn:
         posterior_picture(found, folder / PICTURE)
-    write_page(found, [folder / PICTURE] if not found.refused else [], folder / PAGE)
-    return [folder / name for name in (JSON, CSV, PICTURE, PAGE) if (folder / name).exists()]
+    if drawn and found.map is not None:
+        motion_picture(found, found.map, folder / MAP)
+        drawn = {folder / MAP: OF_MAP} | drawn
+    write_page(found, drawn, folder / PAGE)
+    return [folder / name for name in (JSON, CSV, PICTURE, MAP, PAGE) if (folder / name).exists()]
 
 
-def write_page(found: Posterior, drawn: list[Path], path: Path) -> None:
+def write_page(found: Posterior, drawn: Mapping[Path, str], path: Path) -> None:
     """Write calibrate.html."""
     tiles = [
         ("samples", len(found.weights), f" in {counted(len(found.sizes), 'round')}"),
@@ -68,7 +77,7 @@ def write_page(found: Posterior, drawn: list[Path], path: Path) -> None:
             rows_of_many(found.scene, found.program, varied),
             found.verdict,
         ),
-        drawn=pictures(dict.fromkeys(drawn, CAPTION)),
+        drawn=pictures(drawn),
         unknown=UNKNOWN,
         unknowns=[_unknown(found, name, one) for name, one in found.ranges.items()],
         keys=("", *found.numbers),
@@ -83,7 +92,8 @@ def write_page(found: Posterior, drawn: list[Path], path: Path) -> None:
 def _unknown(found: Posterior, name: str, one: Mapping[str, float]) -> list[str]:
     """The row of an unknown."""
     unit, factor = found.shown(name)
-    return [name, unit, *(f"{factor * one[key]:.4g}" for key in ("low", "median", "high", "mean", "std", "prior_low", "prior_high"))]
+    numbers = (f"{factor * one[key]:.4g}" for key in ("low", "median", "high", "mean", "std", "prior_low", "prior_high"))
+    return [name, unit, *numbers, "nothing" if name in found.unlearnt else "yes"]
 
 
 def _observation(one: Mapping[str, Any]) -> list[str]:

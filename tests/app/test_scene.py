@@ -279,7 +279,7 @@ def test_every_number_of_the_examples_may_state_its_unit(path: Path) -> None:
 PURE = {
     *("accept", "tolerance", "theta", "strain_theta"),  # of errors and of the scheme
     *("friction", "rolling_friction", "restitution", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
-    *("axis", "direction", "push", "tilt"),  # vectors of any length
+    "axis",  # a vector of any length
     *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
     *("junction", "bond", "stages", "passive", "passive_shaken"),  # shares of courses, of a force, of the passive pressure
     *("active_at", "gone_at"),  # movement over depth
@@ -287,7 +287,7 @@ PURE = {
     *("above", "below"),  # of whatever a gauge shows
     *("return_period", "years", "nominal_life", "frequency", "probability"),  # in years, and per year
     *("hazard_factor", "return_factor", "material_damping"),  # of a spectrum, and of a soil
-    *("factor", "zeta_E", "pushes", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening; factors of a rating
+    *("factor", "zeta_E", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening; factors of a rating
     "stress",  # share of the strength in service
 }
 """Keys whose numbers have no unit."""

@@ -28,7 +28,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from reports.settings import Report
 from structures import KINDS as STRUCTURES
 
-STUDIES = [EXAMPLES / "study_arch.toml"]
+STUDIES = [EXAMPLES / "study_arch.toml", EXAMPLES / "attribute_columns.toml"]
 SCENES = sorted({*EXAMPLES.glob("*.toml"), ROOT / "docs" / "accuracy.toml"} - set(STUDIES))
 ARCH: dict[str, Any] = {
     "structure": {"kind": "arch", "span": 4.0, "thickness": 0.4},

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from places import EXAMPLES
 
+from loads.motion import STANDARD_GRAVITY
 from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.limit_table import limit_of
@@ -19,7 +20,11 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
+from masonry_cd.studies.calibrate.plan import Calibration
+from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
+from masonry_cd.studies.study.designs import Asked
 from masonry_cd.studies.study.study_case import plan_of
+from masonry_cd.studies.study.study_file import read_study
 from masonry_cd.studies.study.task import Task, run_task
 from structures import kind_of
 from structures.macro_elements import macro_elements
@@ -262,6 +267,16 @@ def test_the_study_of_an_arch_has_runs_that_can_be_made() -> None:
     assert (tables["loads"][0]["ag"], tables["loads"][0]["seed"]) == (8.0, 7)
     row = run_task(Task("last", tables | {"run": tables["run"] | {"duration": 0.1}}, 60.0)).row
     assert (row.status, row.number("steps")) == ("done", 25)
+
+
+def test_the_pulse_that_left_the_columns_predicts_what_was_found() -> None:
+    found = Calibration.of(read_study(EXAMPLES / "attribute_columns.toml"))
+    assert found.motion == ("loads[0].duration", "loads[0].acceleration")
+    truth = {"loads[0].acceleration": 0.7 * STANDARD_GRAVITY, "loads[0].duration": 0.7, "loads[0].direction": 40.0}
+    row = calibrate_task(found.wanted, Task("truth", found.maker.tables(Asked(values=truth)), 60.0)).row
+    for one in found.wanted.observations:
+        value = row.number(PREDICTED)[one.title]
+        assert value == one.value if one.what == "fallen" else abs(one.off(np.array([value]))[0]) < 2.0
 
 
 def test_the_buttresses_of_the_arch_bear_its_weight_far_below_the_strength_of_the_stone(tmp_path):

@@ -83,7 +83,7 @@ SHAKES = "begins while the ground shakes"  # said of a record that is cut, and n
 PULSE: dict[str, Any] = {"kind": "pulse", "direction": "x", "acceleration": 1.5, "duration": 0.25, "start": 0.1}
 
 
-@pytest.mark.parametrize(("shape", "impulse"), [("half-sine", 2.0 / np.pi), ("rectangle", 1.0), ("sine", 0.0)])
+@pytest.mark.parametrize(("shape", "impulse"), [("half-sine", 2.0 / np.pi), ("rectangle", 1.0), ("sine", 0.0), ("cosine", 0.0)])
 @pytest.mark.parametrize("dt", [5e-3, 7e-3])  # of which the pulse is no multiple
 def test_a_pulse_puts_in_its_impulse_and_ends(shape: str, impulse: float, dt: float) -> None:
     found = loads.build([PULSE | {"shape": shape}], dt, 100, GRAVITY, Path())
@@ -91,6 +91,17 @@ def test_a_pulse_puts_in_its_impulse_and_ends(shape: str, impulse: float, dt: fl
     assert dt * x.sum() == pytest.approx(1.5 * 0.25 * impulse, abs=1e-12)
     assert not x[dt * np.arange(101) > 0.35 + dt].any()
     assert (found.acceleration[:, 2] == -9.81).all()
+
+
+def test_a_cosine_pulse_brings_the_ground_back_and_half_of_its_size_has_passed_at_its_middle() -> None:
+    found = loads.build([PULSE | {"shape": "cosine", "start": 0.0, "direction": 30.0}], 1e-3, 260, GRAVITY, Path())
+    along = found.acceleration[:, 0] / np.cos(np.radians(30.0))
+    assert found.acceleration[:, 1] == pytest.approx(along * np.sin(np.radians(30.0)))
+    velocity = 1e-3 * np.cumsum(along)
+    assert np.abs(velocity).max() == pytest.approx(1.5 * 0.25 / (2.0 * np.pi), rel=1e-3)
+    assert np.sum(velocity[:251]) == pytest.approx(0.0, abs=1e-9)
+    (acted,) = found.acted
+    assert [acted.row(0.25 * x)["share"] for x in (0.25, 0.5, 0.75, 1.0)] == pytest.approx([0.25, 0.5, 0.75, 1.0])
 
 
 @pytest.mark.parametrize("values", [np.sin(np.pi * np.linspace(0.0, 1.0, 30)), np.r_[np.ones(30), np.zeros(5)]])

@@ -7,6 +7,10 @@ Stat. Sinica 6, 1996):
 
     p = sum_i w_i P(chi^2_J >= misfit_i)
 
+The largest distance D of the distribution functions of an unknown before and after says whether anything was learnt of it: nothing where D
+is below 0.1, or where it is as large by chance with a probability of 0.05 or more, by Kolmogorov's distribution. As both weigh the same
+samples, by v_i and w_i, 1 / sum (w_i - v_i)^2 stands for their effective number.
+
 An observation j, made once more or for the first time, would take the share r_jk^2 V_j / (V_j + s_j^2) of the variance of unknown k, if all
 were linear: r_jk is the correlation of unknown and prediction over the posterior, V_j the variance of the prediction.
 """
@@ -20,13 +24,15 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.calibration.motion_map import MotionMap, motion_map
 from masonry_cd.analysis.calibration.observations import SEEN, Observation
+from masonry_cd.analysis.distributions import by_chance, distance, quantiles
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, Verdict
 from masonry_cd.foundation.quantities import counted
 
-ENDS = (0.05, 0.5, 0.95)  # quantiles of a range
 PREFIXES = (("G", 1e-9), ("M", 1e-6))  # in which large numbers with a unit are read
 UNLIKELY = 0.05  # probability of a misfit below which the model does not explain what was observed
+LEARNT = 0.1  # distance of an unknown's distributions below which nothing was learnt of it
 FAR = 3.0  # standard deviations of an observation that is named
 
 
@@ -47,6 +53,7 @@ class Posterior:
     observations: tuple[Observation, ...]
     predicted: np.ndarray  # (N, M), nan where there is none
     lost: int = 0  # samples whose run is no data
+    motion: tuple[str, str] | None = None  # unknowns across and up the map of the motion
 
     @property
     def refused(self) -> str:
@@ -61,6 +68,23 @@ class Posterior:
     def ranges(self) -> dict[str, dict[str, float]]:
         """The range of 5, 50 and 95 % of each unknown that is a number, its mean and standard deviation, and its range before."""
         return {name: self._range(values) for name, values in self.numbers.items()}
+
+    @cached_property
+    def unlearnt(self) -> list[str]:
+        """The unknowns of which the observations say nothing; those that are no numbers, as the motion, in the order of their values."""
+        ranks = {name: np.unique([str(v) for v in values], return_inverse=True)[1] for name, values in self.unknowns.items()}
+        every = {name: self.numbers.get(name, rank) for name, rank in ranks.items()}
+        apart = {name: distance(values, self.weights, values, self.prior) for name, values in every.items()}
+        twice = 2.0 / max(float(np.sum((self.weights - self.prior) ** 2)), 1e-300)
+        return [name for name, of in apart.items() if of < LEARNT or by_chance(of, twice, twice) >= UNLIKELY]
+
+    @cached_property
+    def map(self) -> MotionMap | None:
+        """The likelihood over two numbers of the motion; None where the motion is known, or one of them does not vary."""
+        if self.motion is None or not self.weights.any():
+            return None
+        values = np.array([self.numbers[name] for name in self.motion])
+        return motion_map(self.motion, values, self.weights, self.prior) if np.ptp(values, axis=1).all() else None
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
@@ -144,6 +168,8 @@ class Posterior:
         fit = "" if self.misfit is None else f"a misfit as large as this has the probability {self.misfit:.2g}"
         if self.misfit is not None and self.misfit < UNLIKELY:
             return Verdict("", "", "", DOUBTFUL, "the model does not explain what was observed", "; ".join([fit, *self._far()]))
+        if len(self.unlearnt) == len(self.unknowns):
+            return Verdict("", "", "", LOOK, "the observations do not tell", "every unknown is as uncertain as before")
         if warned := self.warnings:
             return Verdict("", "", "", LOOK, "check these points before you rely on it", "; ".join(warned))
         return Verdict("", "", "", GOOD, f"the model explains what was observed{f' ({fit})' if fit else ''}", "")
@@ -163,8 +189,12 @@ class Posterior:
         for name, one in self.ranges.items():
             unit, factor = self.shown(name)
             low, middle, high, *before = (f"{factor * one[key]:.4g}" for key in ("low", "median", "high", "prior_low", "prior_high"))
-            out.append(f"{name}: {middle} ({low} to {high}){f' {unit}' if unit else ''}, before {' to '.join(before)}")
+            learnt = "; the observations say nothing of it" if name in self.unlearnt else ""
+            out.append(f"{name}: {middle} ({low} to {high}){f' {unit}' if unit else ''}, before {' to '.join(before)}{learnt}")
         out += [f"{name}: " + ", ".join(f"{v} {100 * p:.0f} %" for v, p in list(of.items())[:5]) for name, of in self.shares.items()]
+        if self.map is not None:
+            shown = [(name, value, *self.shown(name)) for name, value in self.map.likeliest.items()]
+            out.append("likeliest motion: " + ", ".join(f"{name} {factor * v:.3g} {unit}".strip() for name, v, unit, factor in shown))
         gains = [one for one in self.checks if one["gain"] is not None]
         if gains:
             best = max(gains, key=lambda one: one["gain"])
@@ -183,17 +213,9 @@ class Posterior:
             "title": self.title, "scene": self.scene, "program": self.program, "verdict": self.verdict.as_dict(),
             "samples": len(self.weights), "effective": list(self.sizes), "least": self.enough, "lost": self.lost, "misfit": self.misfit,
             "unknowns": self.ranges, "shares": self.shares, "correlation": {"keys": list(self.numbers), "values": self.correlation},
+            "unlearnt": self.unlearnt, "motion": None if self.map is None else self.map.likeliest,
             "observations": self.checks, "lines": self.lines, "warnings": self.warnings,
         }  # fmt: skip
-
-
-def quantiles(values: np.ndarray, w: np.ndarray) -> list[float]:
-    """The 5, 50 and 95 % of values (N,) with weights (N,); nan where these are 0."""
-    if not w.any():
-        return [float("nan")] * len(ENDS)
-    order = np.argsort(values, kind="stable")
-    below = np.cumsum(w[order])
-    return [float(values[order[min(int(np.searchsorted(below, q * below[-1])), len(values) - 1)]]) for q in ENDS]
 
 
 def correlation(rows: np.ndarray, w: np.ndarray) -> np.ndarray:

@@ -26,6 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincinv, gammaln, logsumexp, ndtri
 
+from masonry_cd.analysis.distributions import effective
+
 PRIOR_SHARE = 0.1  # a
 FREEDOM = 5.0  # degrees of it, nu: its tails are heavier than those of a normal posterior
 OF_SAMPLES, OF_UNKNOWNS = 0.1, 5  # n is this share of the samples, or as many for each unknown, where half of the samples are more
@@ -87,11 +89,6 @@ def weights(log: np.ndarray) -> np.ndarray:
         return np.zeros(len(log))
     found = np.exp(log - top)
     return np.asarray(found / found.sum())
-
-
-def effective(w: np.ndarray) -> float:
-    """The effective number of samples of weights (N,) whose sum is 1; 0 where none is possible."""
-    return 1.0 / float(np.sum(w * w)) if w.any() else 0.0
 
 
 def next_proposal(z: np.ndarray, ratio: np.ndarray, likelihood: np.ndarray) -> Proposal:

@@ -104,6 +104,7 @@ FOLDERS: dict[str, dict[str, str]] = {
         "samples.csv": "every sample: its round, weight, unknowns and predictions",
         "calibrate.json": "verdict, ranges, correlations, predictions, and what would help most",
         "calibrate.png": "unknowns before and after, and the observations next to what is predicted",
+        "motion.png": "of an unknown motion: its likelihood over two of its numbers, as PGA and period",
         "calibrate.html": "the page with all of it",
     },
     "accuracy": {

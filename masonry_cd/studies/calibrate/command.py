@@ -13,7 +13,8 @@ from scipy.special import ndtr
 
 from masonry_cd import __version__
 from masonry_cd.analysis.calibration.posterior import Posterior
-from masonry_cd.analysis.calibration.weights import Proposal, effective, log_ratio, next_proposal, weights
+from masonry_cd.analysis.calibration.weights import Proposal, log_ratio, next_proposal, weights
+from masonry_cd.analysis.distributions import effective
 from masonry_cd.app.result import Result, Say
 from masonry_cd.studies.calibrate.plan import DESIGN, Calibration
 from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
@@ -60,7 +61,8 @@ def calibrate(plan: Calibration, folder: Path, options: Options, say: Say) -> Re
     found = sampling.posterior(made.rows)
     written = write_posterior(found, folder)
     if not found.refused:
-        write_parquet(folder / POSTERIOR, {WEIGHT: found.weights.tolist(), **{key: list(values) for key, values in found.numbers.items()}})
+        keys = [key for key in plan.maker.space.varied.columns if key in found.numbers]
+        write_parquet(folder / POSTERIOR, {WEIGHT: found.weights.tolist(), **{key: list(found.numbers[key]) for key in keys}})
         written = [folder / POSTERIOR, *written]
     else:
         (folder / POSTERIOR).unlink(missing_ok=True)
@@ -116,7 +118,7 @@ class Sampling:
             title=study.title,
             scene=study.scene_name,
             program=__version__,
-            unknowns=calibration.unknowns(self.asked),
+            unknowns=calibration.unknowns(self.asked) | calibration.measured(self.asked),
             units=calibration.units(),
             rounds=np.repeat(np.arange(1, len(self.proposals) + 1), calibration.samples),
             sizes=tuple(self.sizes),
@@ -125,6 +127,7 @@ class Sampling:
             prior=weights(self.ratio),
             observations=calibration.wanted.observations,
             predicted=self.predicted,
+            motion=calibration.motion,
             lost=sum(not rows[run.name].done for run in self.plan.runs),
         )
 

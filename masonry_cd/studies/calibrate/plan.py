@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,9 +25,11 @@ from masonry_cd.studies.study.designs import Asked, Space, placed
 from masonry_cd.studies.study.plan import Maker, StudyPlan
 from masonry_cd.studies.study.study_case import space_of_study
 from masonry_cd.studies.study.study_file import CalibrationTable, Study
+from masonry_cd.studies.study.study_units import ROTATE
 
 DESIGN = "calibrate"
 MOTION, LEVEL = "motion", "level"  # unknowns that are no keys of the scene
+PGA, PERIOD = "PGA", "period"  # of records, measured
 OPTIONS = ("method", "poisson", "mesh_size", "restraint", "modes")  # of the modal analysis
 
 
@@ -86,10 +89,27 @@ class Calibration:
         found |= {MOTION: [one.motion for one in asked]} if len(space.motions) > 1 else {}
         return found | ({LEVEL: [one.level for one in asked]} if len(space.levels) > 1 else {})
 
+    def measured(self, asked: list[Asked]) -> dict[str, list[float]]:
+        """PGA [m/s2] and period 2 pi PGV / PGA [s] of the motions of some runs, where these are records."""
+        records = self.maker.space.records
+        if records is None or records.table.key is not None or not ({MOTION, LEVEL, ROTATE} & self.unknowns(asked).keys()):
+            return {}
+        every = [self.maker.measures(one) for one in asked]
+        return {PGA: [one["PGA"] for one in every], PERIOD: [2.0 * math.pi * one["PGV"] / one["PGA"] for one in every]}
+
+    @property
+    def motion(self) -> tuple[str, str] | None:
+        """The numbers of the motion that are drawn across and up a map: of loads the first two that are unknown, but for directions."""
+        if self.measured([self.asked(np.full(len(self.places), 0.5))]):
+            return PERIOD, PGA
+        keys = [key for key in self.maker.space.varied.random if key.startswith("loads[") and not key.endswith(".direction")]
+        return (keys[1], keys[0]) if len(keys) > 1 else None
+
     def units(self) -> dict[str, str]:
         """The units of keys that have one."""
         tables = self.maker.study.scene.tables
-        return {key: unit_of_key(tables, key) for key in self.maker.space.varied.columns if key != "records.rotate"}
+        own = {key: "degrees" if key == ROTATE else unit_of_key(tables, key) for key in self.maker.space.varied.columns}
+        return own | {PGA: "m/s2", PERIOD: "s"}
 
     def check(self, plan: StudyPlan) -> tuple[str, ...]:
         """Prepare the first sample as a worker would.

@@ -298,7 +298,11 @@ def _check_design(top: StudyTables) -> None:
     levels = intensity is not None and intensity.levels is not None
     needs = {
         "sample": [("samples", top.samples is not None), ("vary", bool(top.vary))],
-        "calibrate": [("samples", top.samples is not None), ("vary", bool(top.vary)), ("observations", bool(top.observations))],
+        "calibrate": [
+            ("samples", top.samples is not None),
+            ("vary", bool(top.vary or top.records)),
+            ("observations", bool(top.observations)),
+        ],
         "stripes": [("intensity.levels", levels), ("records", top.records is not None)],
         "cloud": [("records", top.records is not None)],
         "ida": [("records", top.records is not None), ("intensity", intensity is not None), ("ida", top.ida is not None)],

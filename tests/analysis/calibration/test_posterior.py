@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm
+from scipy.stats import chi2, ks_2samp, norm
 
+from masonry_cd.analysis.calibration.motion_map import motion_map
 from masonry_cd.analysis.calibration.observations import Observation
-from masonry_cd.analysis.calibration.posterior import Posterior, correlation, quantiles
-from masonry_cd.analysis.calibration.weights import Proposal, effective, log_prior, log_ratio, next_proposal, weights
+from masonry_cd.analysis.calibration.posterior import Posterior, correlation
+from masonry_cd.analysis.calibration.weights import Proposal, log_prior, log_ratio, next_proposal, weights
+from masonry_cd.analysis.distributions import by_chance, distance, effective, quantiles
 
 A = np.array([[1.0, 0.5, 0.0], [0.0, 1.0, -0.7], [0.3, 0.0, 1.0], [0.5, 0.5, 0.5]])  # of y = A z, observed with these errors
 S = np.array([0.1, 0.05, 0.2, 0.1])
@@ -72,6 +74,41 @@ def test_weighted_quantiles_and_correlations_are_those_of_repeated_samples() -> 
     repeated = np.repeat(rows, times, axis=1)
     assert quantiles(rows[0], times / 100) == np.quantile(repeated[0], [0.05, 0.5, 0.95], method="inverted_cdf").tolist()
     assert correlation(rows, times / 100) == pytest.approx(np.corrcoef(repeated))
+
+
+def test_the_distance_of_distributions_is_kolmogorovs_and_weights_count_as_repeated_samples() -> None:
+    draw = np.random.default_rng(4)
+    a, b = draw.normal(0.0, 1.0, 300), draw.normal(0.3, 1.0, 200)
+    even = np.full(300, 1 / 300), np.full(200, 1 / 200)
+    apart = distance(a, even[0], b, even[1])
+    assert apart == pytest.approx(ks_2samp(a, b).statistic)
+    assert by_chance(apart, 300, 200) == pytest.approx(ks_2samp(a, b, method="asymp").pvalue, rel=0.2)
+    times = np.array([1, 2, 3, 4] * 75)
+    assert distance(a, times / times.sum(), b, even[1]) == pytest.approx(ks_2samp(np.repeat(a, times), b).statistic)
+
+
+def test_an_unknown_that_nothing_depends_on_is_not_learnt() -> None:
+    idle = np.random.default_rng(1).normal(size=2000).tolist()
+    both = made(1.0, unknowns={"x": made(1.0).unknowns["x"], "idle": idle})
+    assert both.unlearnt == ["idle"]
+    assert both.verdict.sure == "good"
+    assert "the observations say nothing of it" in next(line for line in both.lines if line.startswith("idle"))
+    alone = made(1.0, unknowns={"idle": idle})
+    assert alone.verdict.words == "the observations do not tell"
+
+
+def test_a_map_of_the_motion_is_the_likelihood_over_two_unknowns_whatever_the_prior() -> None:
+    z = Proposal.prior(2).draw(4000, (2, 0))
+    x, y = 5.0 + z[:, 0], 1.0 + 0.2 * z[:, 1]
+    off = ((x * y**2 - 6.0) / 0.5) ** 2
+    w = weights(-0.5 * off)
+    found = motion_map(("T", "a"), np.array([y, x]), w, np.full(4000, 1 / 4000))
+    exact = np.exp(-0.5 * ((found.up[:, None] * found.across[None, :] ** 2 - 6.0) / 0.5) ** 2)
+    dense = (np.abs(found.across - 1.0) < 0.3)[None, :] & (np.abs(found.up - 5.0) < 1.5)[:, None]
+    assert np.corrcoef(found.likelihood[dense], exact[dense])[0, 1] > 0.95
+    outside = found.density < found.levels[1]
+    assert found.density[outside].sum() / found.density.sum() == pytest.approx(0.1, abs=0.01)
+    assert found.likeliest["a"] * found.likeliest["T"] ** 2 == pytest.approx(6.0, abs=0.5)
 
 
 def observation(**keys: object) -> Observation:

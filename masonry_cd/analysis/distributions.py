@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+r"""Distributions of weighted samples: their quantiles, and how far two of them are apart.
+
+    D = max |F(x) - G(x)|,        Q(D sqrt(n m / (n + m)))
+
+is the largest distance of two distribution functions, and the probability that samples of n and m from one distribution are as far apart,
+by Kolmogorov's limit Q; of weighted samples n = 1 / sum w^2 count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+ENDS = (0.05, 0.5, 0.95)  # quantiles of a range
+
+
+def effective(w: np.ndarray) -> float:
+    """The effective number of samples of weights (N,) whose sum is 1; 0 where none is possible."""
+    return 1.0 / float(np.sum(w * w)) if w.any() else 0.0
+
+
+def quantiles(values: np.ndarray, w: np.ndarray, shares: Sequence[float] = ENDS) -> list[float]:
+    """The 5, 50 and 95 %, or other shares, of values (N,) with weights (N,); nan where these are 0."""
+    if not w.any():
+        return [float("nan")] * len(shares)
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(w[order])
+    return [float(values[order[min(int(np.searchsorted(below, q * below[-1])), len(values) - 1)]]) for q in shares]
+
+
+def distance(a: np.ndarray, of_a: np.ndarray, b: np.ndarray, of_b: np.ndarray) -> float:
+    """The largest distance D of the distribution functions of values (N,) and (M,) with weights, whose sums are 1."""
+    both = np.sort(np.concatenate([a, b]))
+    up = [np.concatenate([[0.0], np.cumsum(w[order])]) for w, order in ((of_a, np.argsort(a)), (of_b, np.argsort(b)))]
+    at = [np.searchsorted(np.sort(values), both, side="right") for values in (a, b)]
+    return float(np.abs(up[0][at[0]] - up[1][at[1]]).max())
+
+
+def by_chance(apart: float, n: float, m: float) -> float:
+    """The probability that samples of n and m from one distribution are that far ``apart``, or farther."""
+    from scipy.special import kolmogorov
+
+    return float(kolmogorov(apart * np.sqrt(n * m / (n + m))))
