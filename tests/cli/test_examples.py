@@ -190,6 +190,18 @@ def test_the_bridge_and_its_fill_stand_until_they_are_shaken(tmp_path):
     assert summary.displacement_max < 1e-5
 
 
+def test_the_skewed_bridge_stands_and_is_shaken_in_three_components(tmp_path):
+    """At rest it hardly moves; shaken, it does so along all three axes, and the work of all three motions is in the balance."""
+    quiet = [f"loads[{k}].amplitude=0" for k in range(3)]
+    still = run("bridge_skewed.toml", tmp_path / "still", *quiet, "run.duration=0.2", "run.until_still=false", "report.crack_map=false")
+    assert still.displacement_max < 1e-4 and not still.planar
+    shaken = run("bridge_skewed.toml", tmp_path / "shaken", "run.duration=0.624", "run.until_still=false", "report.crack_map=false")
+    assert shaken.energy.balance_error < 1e-6
+    with Results.open(tmp_path / "shaken" / "result.h5") as results:
+        moved = np.abs(results.position[-1] - results.position[0]).max(axis=0)
+    assert (moved > 1e-3).all()
+
+
 def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
     assert summary.energy.balance_error < 1e-9
