@@ -46,7 +46,8 @@ def solve_crushing(system: System, made: StepProblem, solve: Callable[[StepProbl
         p = solved.solution.impulse[:, 0]
         soft = made.problem.compliance[:, 0]
         beyond = np.where(np.isfinite(most), p - most, 0.0)
-        still = np.where(crushes, (1.0 - SOFT) * beyond + shift / soft, 0.0)  # how fast it is shortened, as an impulse
+        shortened = np.divide(shift, soft, out=np.zeros(len(soft)), where=soft > 0.0)
+        still = np.where(crushes, (1.0 - SOFT) * beyond + shortened, 0.0)  # how fast it is shortened, as an impulse
         limit = np.where(np.isfinite(most), NEAR * most, np.inf)
         wrong = np.where(crushes, still < -limit, beyond > limit)
         off = crushes & ~wrong & (np.abs(beyond) > limit)

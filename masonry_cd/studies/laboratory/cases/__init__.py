@@ -14,4 +14,7 @@ from masonry_cd.studies.laboratory.cases import (
 )
 
 _OTHERS = (bending, arch, arch_bridge, columns, restitution, overturning, bed)
-CASES = {case.name: case for case in (dry_walls.CASE, granite_walls.CYCLIC, granite_walls.MORTAR, *(one.CASE for one in _OTHERS))}
+CASES = {
+    case.name: case
+    for case in (dry_walls.CASE, granite_walls.CYCLIC, granite_walls.MORTAR, granite_walls.CRACKED, *(one.CASE for one in _OTHERS))
+}
