@@ -318,6 +318,53 @@ def test_the_runs_of_an_ida_do_not_depend_on_the_order_in_which_they_end(tmp_pat
     assert len(ended(0)) > 20
 
 
+ADAPTIVE = '[adaptive]\nlimit_state = "slid"\nbatch = 2\n'
+
+
+@pytest.mark.parametrize("keys", ["", "theta = 0.9\nbeta = 0.9\n", "runs = 5\n"])
+def test_the_runs_of_adaptive_stripes_do_not_depend_on_the_order_in_which_they_end(tmp_path: Path, keys: str) -> None:
+    capacity = {"far_c": 1.5, "quake_a": 3.0, "quake_b": 1.2}
+
+    def ended(take: int, known: dict[str, RunRow]) -> StudyPlan:
+        plan = with_records(tmp_path, RECORDS + FRICTION + ADAPTIVE + keys)
+        waiting = list(plan.runs)
+        while waiting:
+            run = waiting.pop(take)
+            assert run.asked.level is not None
+            sliding = 1.0 if run.asked.level >= capacity[run.asked.motion] else 0.0
+            lost = run.asked.motion == "quake_b" and run.asked.level == 4.0
+            row = RunRow("failed") if lost else RunRow("done", numbers={"max_sliding": sliding})
+            known[run.name] = row
+            waiting += plan.after(run, row)
+        return plan
+
+    rows: list[dict[str, RunRow]] = [{}, {}]
+    first, last = ended(0, rows[0]), ended(-1, rows[1])
+    assert rows[0] == rows[1]
+    assert [run.name for run in first.ordered()] == [run.name for run in last.ordered()]
+    assert len({run.name for run in first.runs}) == len(first.runs)  # none twice, those that failed included
+    assert first.adaptive is not None
+    count = 5 if "runs" in keys else 9 if not keys else len(first.runs)
+    assert len(first.runs) == len(rows[0]) == count
+    assert ("are wanted" in first.adaptive.line) == ("0.9" not in keys)
+    if "0.9" in keys:
+        assert max(first.adaptive.spread) <= 0.9
+        assert len(first.runs) < 9
+    stripes = {run.name for run in with_records(tmp_path, RECORDS + FRICTION).runs}
+    assert {run.name for run in first.runs} <= stripes  # so that either continues in the folder of the other
+
+
+def test_adaptive_stripes_refuse_lists_and_limit_states_that_are_not_there(tmp_path: Path) -> None:
+    write_records(tmp_path)
+    lists = '[vary]\n"material.friction" = [0.3, 0.4]\n'
+    with pytest.raises(InputError, match=r'vary\."material\.friction": \[adaptive\] takes distributions'):
+        planned(tmp_path, RECORDS + lists + ADAPTIVE)
+    with pytest.raises(InputError, match=r'adaptive\.limit_state: there is no "slidd" in \[limit_states\]'):
+        planned(tmp_path, RECORDS + ADAPTIVE.replace("slid", "slidd"))
+    with pytest.raises(InputError, match='adaptive: belongs to the design "stripes"'):
+        planned(tmp_path, GRID + ADAPTIVE)
+
+
 # --- bad input ----------------------------------------------------------------------------------------------------------------------
 
 

@@ -172,6 +172,25 @@ def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Pat
     assert rows_without_seconds(tmp_path / "out") == table
 
 
+def test_adaptive_stripes_make_some_of_the_runs_and_stripes_make_the_others(scheduler: str, tmp_path: Path) -> None:
+    studied.write_records(tmp_path)
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.0"))
+    path = write_study(tmp_path, studied.RECORDS + '[adaptive]\nlimit_state = "slid"\nruns = 6\nbatch = 3\n')
+    result = invoke(path, "--scheduler", scheduler)
+    assert result.exit_code == 0, result.output
+    assert "slid: 6 of 9 runs know its median to " in result.stdout
+    chosen = rows_without_seconds(tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(chosen) - 1 == 6
+    again = invoke(path)
+    assert "6 runs so far, 0 of them to be made" in again.stderr
+    write_study(tmp_path, studied.RECORDS)
+    result = invoke(path, "--scheduler", scheduler)
+    assert "9 runs, 3 of them to be made" in result.stderr
+    write_study(tmp_path, studied.RECORDS + '[adaptive]\nlimit_state = "slid"\nruns = 6\nbatch = 3\n')
+    assert invoke(path).exit_code == 0  # of runs that are there
+    assert rows_without_seconds(tmp_path / "out") == chosen
+
+
 @pytest.fixture
 def long(tmp_path: Path) -> Path:
     """A study of 18 runs that take a while."""

@@ -33,6 +33,7 @@ def study(plan: StudyPlan, folder: Path, options: Options, say: Say) -> Result[N
     if asks == "limit":
         return Result(None, [*lines, *limit_lines(plan, made.rows)], warnings)
     found = report(plan, folder)
+    lines += [] if plan.adaptive is None else [plan.adaptive.line]
     return Result(None, [*lines, *found.lines], [*warnings, *found.warnings])
 
 

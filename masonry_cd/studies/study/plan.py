@@ -23,6 +23,7 @@ from masonry_cd.app.scene import Scene, scene_of
 from masonry_cd.app.scene_text import assign, dump_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.studies.study.adaptive import AdaptiveStripes
 from masonry_cd.studies.study.clusters import Where, require_slurm
 from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
 from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
@@ -156,8 +157,12 @@ class StudyPlan:
     def __init__(self, maker: Maker, asked: Iterable[Asked] | None = None, design: str = "") -> None:
         self.maker, self._study = maker, maker.study
         self.design = design or maker.study.tables.design
-        self.runs: list[Planned] = [maker.planned(one) for one in (DESIGNS[self.design](maker.space) if asked is None else asked)]
+        table = self._study.tables.adaptive
+        self.adaptive = None if table is None else AdaptiveStripes(maker.space, table)
         self._longest_first = asked is not None
+        if asked is None:
+            asked = DESIGNS[self.design](maker.space) if self.adaptive is None else self.adaptive.first()
+        self.runs: list[Planned] = [maker.planned(one) for one in asked]
         self._found: dict[tuple[str, str], dict[float, bool | None]] = {}  # by motion and what varies: collapsed, by level
 
     def where(self, workers: int | None = None, scheduler: str | None = None, slurm: Path | None = None) -> Where:
@@ -184,24 +189,28 @@ class StudyPlan:
     @property
     def adapts(self) -> bool:
         """Return True if runs follow from others."""
-        return self._study.tables.ida is not None
+        return self._study.tables.ida is not None or self.adaptive is not None
 
     def after(self, planned: Planned, row: RunRow) -> Iterator[Planned]:
         """The runs that follow from one that has ended; they become part of the plan."""
-        table = self._study.tables.ida
+        tables = self._study.tables
+        table = tables.ida or tables.adaptive
         if table is None:
             return
-        asked = planned.asked
-        state = LimitState.of(table.limit_state, self._study.tables.limit_states[table.limit_state])
-        key = (asked.motion, repr(sorted(asked.values.items())))
-        found = self._found.setdefault(key, {})
-        assert asked.level is not None
-        found[asked.level] = state.exceeded_by(row)
-        level = next_level(table, found)
-        if level is not None:
-            following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
+        exceeded = LimitState.of(table.limit_state, tables.limit_states[table.limit_state]).exceeded_by(row)
+        for asked in self._hunted(planned.asked, exceeded) if self.adaptive is None else self.adaptive.after(planned.asked, exceeded):
+            following = self.maker.planned(asked)
             self.runs.append(following)
             yield following
+
+    def _hunted(self, asked: Asked, exceeded: bool | None) -> list[Asked]:
+        """The next run of an IDA's motion, if there is one."""
+        table = self._study.tables.ida
+        assert table is not None and asked.level is not None
+        found = self._found.setdefault((asked.motion, repr(sorted(asked.values.items()))), {})
+        found[asked.level] = exceeded
+        level = next_level(table, found)
+        return [] if level is None else [Asked(asked.motion, level, values=asked.values)]
 
     def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
         """Runs in the order in which they are made: a random one, so that those that are done stand for the others."""
@@ -212,7 +221,7 @@ class StudyPlan:
         return made
 
     def ordered(self) -> list[Planned]:
-        """All runs in the order of the table: as the design lists them; of an IDA by motion, then level."""
+        """All runs in the order of the table: as the design lists them; where runs follow from others by motion, then level."""
         if not self.adapts:
             return self.runs
         place = {name: i for i, name in enumerate(self.maker.space.motions)}

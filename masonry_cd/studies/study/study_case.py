@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -223,7 +223,7 @@ class _Making:
                 self.folder.add(run, outcome)
                 self.rows[run.name] = outcome.row
                 progress.ended(run.weight, outcome.row)
-                following = [more for more in self.plan.after(run, outcome.row) if more.name not in self.rows]
+                following = list(self._following(run))
                 for more in following:
                     progress.planned(more.weight)
                 return following
@@ -238,6 +238,14 @@ class _Making:
                 self.stopped = str(lost)
             finally:
                 progress.close()
+
+    def _following(self, run: Planned) -> Iterator[Planned]:
+        """The runs still to be made that follow from one that has ended, and from those that a folder has of them."""
+        for more in self.plan.after(run, self.rows[run.name]):
+            if more.name in self.rows:
+                yield from self._following(more)
+            else:
+                yield more
 
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """Return the task of a worker."""

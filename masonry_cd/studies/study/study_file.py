@@ -8,6 +8,7 @@ seed = 1
 [intensity]     measure, levels      # what they are scaled to
 [vary]          "material.friction" = ...
 [limit_states]  collapse = {quantity = "collapsed_blocks", above = 0}
+[adaptive]      theta, beta, runs    # how well a fragility is to be known: of the stripes only the telling runs
 [run]           workers, timeout, keep
 [[observations]]                     # of a calibration, see masonry_cd/studies/calibrate
 """
@@ -40,7 +41,7 @@ from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 FORMAT = 1
 MASONRY = "material.masonry."  # beginning of its keys
 OWNERS = {  # designs to which keys belong
-    "samples": ("sample", "calibrate"), "ida": ("ida",), "ensemble": ("ensemble",),
+    "samples": ("sample", "calibrate"), "ida": ("ida",), "adaptive": ("stripes",), "ensemble": ("ensemble",),
     "observations": ("calibrate",), "calibration": ("calibrate",), "modal": ("calibrate",),
 }  # fmt: skip
 CLOUDS = ("cloud", "sample", "grid")  # designs whose runs have intensities of their own, so that a line is put through them
@@ -87,6 +88,21 @@ class IdaTable(Table):
     """At most, for each motion."""
     fill: Annotated[Count, Field(ge=0, le=1000)] = 2
     """Runs that halve the widest gaps below the collapse."""
+
+
+class AdaptiveTable(Table):
+    """The table ``[adaptive]``: of stripes only the runs from which most is learnt about a fragility."""
+
+    limit_state: str = "collapse"
+    """Limit state whose fragility is sought."""
+    theta: Annotated[Number, Field(gt=0, lt=1)] = 0.1
+    """Standard deviation of ln theta, by the runs made, at which it ends ..."""
+    beta: Annotated[Number, Field(gt=0, lt=1)] = 0.2
+    """... where that of ln beta is at most this, too."""
+    runs: Annotated[Count, Field(ge=1)] | None = None
+    """Runs at most; every motion at every level when not given."""
+    batch: Annotated[Count, Field(ge=1, le=12)] = 8
+    """Runs that are chosen, and made, at once."""
 
 
 class EnsembleTable(Table):
@@ -157,6 +173,8 @@ class StudyTables(Table):
     """Cost of repair over that of reconstruction of limit states by name, for vulnerability.xml and the mean annual loss."""
     ida: IdaTable | None = None
     """Search of the design "ida"."""
+    adaptive: AdaptiveTable | None = None
+    """Choice of the runs of the design "stripes" one batch after the other."""
     ensemble: EnsembleTable | None = None
     """Ensemble of the design "ensemble"."""
     observations: list[Observation] = Field(default_factory=list)
@@ -321,10 +339,10 @@ def _check_design(top: StudyTables) -> None:
         for name, state in top.limit_states.items():
             if state.least_demand is not None:
                 raise InputError(f"limit_states.{name}.least_demand", f'is of the regression of a cloud, which "{design}" has none of')
-    if top.ida is not None and top.ida.limit_state not in top.limit_states:
-        raise InputError(
-            "ida.limit_state", f'there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
-        )
+    for key, table in (("ida", top.ida), ("adaptive", top.adaptive)):
+        if table is not None and table.limit_state not in top.limit_states:
+            none = f'there is no "{table.limit_state}" in [limit_states]{suggest(table.limit_state, top.limit_states)}'
+            raise InputError(f"{key}.limit_state", none)
     for name in top.loss_ratios:
         if name not in top.limit_states:
             raise InputError(f"loss_ratios.{name}", f"there is no such limit state{suggest(name, top.limit_states)}")
