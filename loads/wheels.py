@@ -156,11 +156,14 @@ def stress_under(fill: Fill, vehicle: Known, line: str, offset: float, axles: np
 
 
 def places_on(face: FillFace) -> tuple[np.ndarray, np.ndarray]:
-    """Places (N, 3) all over a face, and the area of each (N,) [m, m2]: cells of a grid on the triangles of a fan, of each as large."""
-    first, grid = face.corners[0], (np.arange(FINE) + 0.5) / FINE
+    """Places (N, 3) all over a face, and the area of each (N,) [m, m2]: cells of a grid on the triangles about its middle.
+
+    They are symmetric where the face is, so that a bridge stays in its plane.
+    """
+    first, grid = face.corners.mean(axis=0), (np.arange(FINE) + 0.5) / FINE
     u, v = np.sqrt(grid)[:, None, None], grid[None, :, None]
     places, areas = list[np.ndarray](), list[np.ndarray]()
-    for b, c in pairwise(face.corners[1:]):
+    for b, c in zip(face.corners, np.roll(face.corners, -1, axis=0), strict=True):
         places.append(((1.0 - u) * first + u * (1.0 - v) * b + u * v * c).reshape(-1, 3))
         areas.append(np.full(FINE**2, 0.5 * math.sqrt(float((np.cross(b - first, c - first) ** 2).sum())) / FINE**2))
     return np.concatenate(places), np.concatenate(areas)

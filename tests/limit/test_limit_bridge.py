@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from masonry_cd.analysis.limit.analysis import analyse
@@ -95,3 +96,23 @@ def test_a_wide_bridge_bears_on_a_strip_what_one_as_wide_as_the_strip_bears() ->
     assert edge < found
     whole = factor(wheels | {"across": "line"}, 0.7, width=8.0, cover=0.3)
     assert whole > 2.0 * found
+
+
+def test_wheels_that_press_backs_leave_a_bridge_in_its_plane() -> None:
+    """Those of a vehicle in the middle of the road, on an abutment of blocks behind which it stands."""
+    scene = {
+        "structure": {
+            "kind": "bridge",
+            "spans": [SPAN],
+            "width": 3.0,
+            "abutments": [{"rigid": False, "height": 1.5}],
+            "backing": {"height": 0.6},
+        },
+        "material": {"density": 2000.0, "friction": 0.6},
+        "loads": [{"kind": "vehicle", "name": "double", "position": 0.1}],
+        "limit": {"live": [0], "starts": 0},
+    }
+    whole = limit_case(parse_scene(dump_toml(scene), Path("bridge.toml"))).whole
+    assert whole is not None and whole.analysis.problem.axis is not None
+    pressed = {whole.assembly.groups[whole.assembly.group_of[b]] for b in np.flatnonzero(np.abs(whole.loads.live[:, 0]) > 1.0)}
+    assert pressed & {"abutment1", "backing"}
