@@ -115,21 +115,29 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
     Raises:
         Unsound: its faces are too warped to be cut; names the block.
     """
+    return below(block, normal, offset), below(block, -normal, -offset)
+
+
+def below(block: Block, normal: np.ndarray, offset: float) -> Block | None:
+    """The part of a convex block below a plane; the block where all of it is, None where nothing is.
+
+    Raises:
+        Unsound: its faces are too warped to be cut; names the block.
+    """
     on = ON_PLANE * size_of(block)
-    cell = Cell(block.vertices, block.faces)
     try:
-        sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
-        if sides[0] is None or sides[1] is None:
-            return (block, None) if sides[1] is None else (None, block)
+        side = _below(Cell(block.vertices, block.faces), normal, offset, on)
+        if side is None or side.vertices is block.vertices:
+            return None if side is None else block
         refuse_spheres([block], "structure", "cutting by a plane")
-        below, above = (_finished(side, block, on) for side in sides if side is not None)
+        made = _finished(side, block, on)
     except _Unsplit:
         raise Unsound(
             f'block "{block.name}"',
             f"cannot be cut by a plane: its faces are warped by up to {1e3 * warp(block):.3g} mm; make them flat",
             [block.name],
         ) from None
-    return replace(block, vertices=below.vertices, faces=below.faces), replace(block, vertices=above.vertices, faces=above.faces)
+    return replace(block, vertices=made.vertices, faces=made.faces)
 
 
 def is_convex(block: Block) -> bool:

@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import counted
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.polygon import loop_planes
 from masonry_cd.mechanics.model.stones import AXES, KEY, PIECES, Stones, stones_of
 from structures import size
-from structures.geometry.convex import halves
+from structures.geometry.checks import check_shells
+from structures.geometry.convex import below, halves
 
 if TYPE_CHECKING:
     from structures import Made
@@ -61,17 +63,20 @@ def in_pieces(made: Made, stones: Mapping[str, Stones]) -> Made:
     }
     if not pieces and not any(block.stone for block in made.blocks):
         raise InputError(KEY, "no block can crack: those that move in these groups are not convex" if whole else "no block of it moves")
+    if pieces:
+        check_shells([piece for own in pieces.values() for piece in own])
     blocks = [piece for block in made.blocks for piece in pieces.get(block.name, [block])]
     left = f", {len(whole)} that are not convex stay whole, the first is {whole[0]}" if whole else ""
     cut = sum(len(own) for own in pieces.values())
-    notes = [*made.notes, f"{KEY}: {len(pieces)} stones in {cut} pieces, which crack from each other{left}"]
+    notes = [*made.notes, f"{KEY}: {counted(len(pieces), 'stone')} in {cut} pieces, which crack from each other{left}"]
     return made._replace(blocks=blocks, notes=notes, ties=[_moved(bar, pieces) for bar in made.ties])
 
 
 def _pieces(block: Block, stones: Stones, number: int) -> list[Block]:
     """The pieces of a convex block, which has a number among the others."""
     if stones.planes == "voronoi":
-        found = _cells(block, stones, np.random.default_rng([stones.seed, number]))
+        with np.errstate(invalid="ignore"):  # faces without area on the way, which the check of the pieces refuses, have no plane
+            found = _cells(block, stones, np.random.default_rng([stones.seed, number]))
     else:
         found, centre = [block], block.mass_properties.centre
         for normal in _normals(block, stones):
@@ -106,7 +111,7 @@ def _cells(block: Block, stones: Stones, random: np.random.Generator) -> list[Bl
             if cell is not None:
                 between = (other - own) * mask
                 normal = between / np.sqrt(np.sum(between**2))
-                cell = halves(cell, normal, float(np.sum(normal * 0.5 * (own + other))))[0]
+                cell = below(cell, normal, float(np.sum(normal * 0.5 * (own + other))))
         out += [] if cell is None else [cell]
     return out
 
