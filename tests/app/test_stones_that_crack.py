@@ -19,7 +19,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.stones import Stones
-from masonry_cd.studies.laboratory.case import run_in
+from masonry_cd.studies.laboratory.case import limit_factor, run_in
 from structures import Made
 from structures.files import blockfile
 from structures.geometry.checks import check
@@ -124,6 +124,14 @@ def test_a_tough_stone_bears_more_and_takes_its_energy(tmp_path: Path) -> None:
         taken = results.energies["bond"][-1]
     assert 1.2 < force.max() / breaking_force(0.3) < 3.0
     assert 0.1 < taken / (energy * WIDE * 0.3) < 1.0
+
+
+def test_limit_analysis_has_the_plane_as_plastic_bond(tmp_path: Path) -> None:
+    blocks, scene = lintel(0.3)
+    scene["loads"] = [{"kind": "point", "block": "lintel/1", "force": [0.0, 0.0, -1.0]}]  # at its centre of mass, 0.45 m from the seat
+    weight = DENSITY * GRAVITY * WIDE * 0.3
+    moment = STRENGTH * WIDE * 0.3**2 / 2.0 - weight * (SPAN**2 / 8.0 - 0.1**2 / 2.0)
+    assert limit_factor(tmp_path, blocks, scene, [0]) == pytest.approx(moment / (0.5 * 0.45), rel=1e-3)
 
 
 FOOT = 0.05  # of a flat arch on its seats [m]
