@@ -236,6 +236,7 @@ def limit_page(folder: Path, title: str = "An arch") -> str:
     summary = {
         "title": title, "version": "0", "stands": True, "bears_nothing": False, "no_finite_factor": False, "associated": 0.2, "least": None,
         "blocks": 2, "joints": 1, "notes": [title], "modelled": ["masses: 1 t"], "check": None, "ties": [], "certificate": None,
+        "rating": None, "service": None,
         "mechanisms": [], "parts": [], "left_open": [], "assumed": {"rows": [], "decides": None, "range": None, "brief": []},
         "solver": {"method": "m", "iterations": 1},
         "verdict": {"state": "not decided", "confidence": "doubtful", "because": "", "reason": title},
