@@ -128,7 +128,7 @@ def main() -> None:
     parser.add_argument("--cracks", action="store_true", help="observe cracks as well")
     parser.add_argument("--folder", type=Path, help="of the runs, which are not made again")
     asked = parser.parse_args()
-    inside: dict[str, int] = {}
+    inside, answered = dict[str, int](), 0
     with TemporaryDirectory() as scratch, connected(Where(workers=2)) as (client, _):
         folder = asked.folder or Path(scratch) / "out"
         of = study(asked)
@@ -142,6 +142,7 @@ def main() -> None:
             if found.refused:
                 print(f"{k}: refused, {found.refused}", flush=True)
                 continue
+            answered += 1
             seen = {name: found.ranges[name]["low"] <= value <= found.ranges[name]["high"] for name, value in values.items()}
             inside = {name: inside.get(name, 0) + there for name, there in seen.items()}
             before = {name: float(np.std(values[:samples])) for name, values in found.numbers.items()}
@@ -150,7 +151,7 @@ def main() -> None:
             took = time.perf_counter() - begin
             missed = f"outside: {', '.join(off) or 'none'}"
             print(f"{k}: {size}, misfit {found.misfit:.2f}; std after over before: {narrowed}; {missed}; {took:.0f} s", flush=True)
-    print(f"inside of {asked.repetitions}: " + ", ".join(f"{name} {count}" for name, count in inside.items()))
+    print(f"inside of {answered} answers: " + ", ".join(f"{name} {count}" for name, count in inside.items()))
 
 
 if __name__ == "__main__":

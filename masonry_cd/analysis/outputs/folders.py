@@ -116,6 +116,7 @@ FOLDERS: dict[str, dict[str, str]] = {
     },
     "validate": {
         "table.json": "what was measured, and what is computed",
+        "samples.json": "repeated tests and many motions, as distributions",
         "curves.svg": "the curves of both",
     },
     "risk": {

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.analysis.distributions import by_chance, distance, quantiles
 from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
@@ -37,11 +38,46 @@ class Row(NamedTuple):
     elastic: float | None
 
 
+class Sample(NamedTuple):
+    """Values of repeated tests or of many motions, and those that the program gives; infinite where a structure fell."""
+
+    quantity: str
+    unit: str
+    measured: Sequence[float]
+    computed: Sequence[float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Count, median, quartiles and share fallen of both, the distance of their distributions, and how likely it is by chance."""
+        pair = [np.array(values, dtype=float) for values in (self.measured, self.computed)]
+        even = [np.full(len(values), 1.0 / len(values)) for values in pair]
+        apart = distance(pair[0], even[0], pair[1], even[1])
+        chance = by_chance(apart, len(self.measured), len(self.computed))
+        found: dict[str, Any] = {"quantity": self.quantity, "unit": self.unit, "distance": apart, "probability": chance}
+        for name, values, w in zip(("measured", "computed"), pair, even, strict=True):
+            ends = [q if np.isfinite(q) else None for q in quantiles(values, w, (0.25, 0.5, 0.75))]
+            found[name] = {"count": len(values), "fallen": float(np.mean(np.isinf(values))), "quartiles": ends}
+        return found
+
+    @property
+    def line(self) -> str:
+        """Both as text."""
+        found = self.as_dict()
+        sides = [f"{name} {shown_quartiles(found[name])}, {100 * found[name]['fallen']:.3g} % fell" for name in ("measured", "computed")]
+        return f"{self.quantity}: {'; '.join(sides)}; distance {found['distance']:.3f}, probability {found['probability']:.2g}"
+
+
+def shown_quartiles(side: Mapping[str, Any]) -> str:
+    """The median with the quartiles of a sample, as text."""
+    low, middle, high = (f"{q:.3g}" if q is not None else "fallen" for q in side["quartiles"])
+    return f"{middle} ({low} to {high})"
+
+
 @dataclass
 class Found:
     """Results of the tests of a case."""
 
     rows: list[Row] = field(default_factory=list)
+    samples: list[Sample] = field(default_factory=list)
     measured: list[Curve] = field(default_factory=list)
     points: list[Curve] = field(default_factory=list)  # measured, one by one, with no line between
     computed: list[Curve] = field(default_factory=list)

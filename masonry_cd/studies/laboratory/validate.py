@@ -17,7 +17,7 @@ from masonry_cd.studies.laboratory.cases import CASES
 from reports.drawing.figure import save
 from reports.laboratory import curves_figure
 
-TABLE, FIGURE = "table.json", "curves.svg"
+TABLE, SAMPLES, FIGURE = "table.json", "samples.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small
 
 
@@ -39,14 +39,15 @@ def validate(name: str, folder: Path, say: Say) -> Result[Found]:
         InputError: no such case.
     """
     case = case_named(name)
-    own_files.begin(folder, (TABLE, FIGURE))
+    own_files.begin(folder, (TABLE, SAMPLES, FIGURE))
     found = case.compute(folder, say)
     table, figure = folder / TABLE, folder / FIGURE
     write_json(table, [row._asdict() for row in found.rows])
+    write_json(folder / SAMPLES, [sample.as_dict() for sample in found.samples])
     across, up = found.axes
     drawn = curves_figure(_thinned(found.computed), found.measured, case.title, ((across, 1.0), (up, 1.0)), found.points)
     save(drawn, figure)
-    return Result(found, [case.title, f"source: {case.source}", *table_lines(found)], written=[table, figure])
+    return Result(found, [case.title, f"source: {case.source}", *table_lines(found)], written=[table, folder / SAMPLES, figure])
 
 
 def table_lines(found: Found) -> list[str]:
@@ -55,7 +56,7 @@ def table_lines(found: Found) -> list[str]:
         f"{row.quantity}: {row.measured:.4g} {row.unit} measured or by others; "
         + ", ".join(f"{word} {value:.4g} ({value / row.measured:.2f})" for word, value in _computed(row))
         for row in found.rows
-    ]
+    ] + [sample.line for sample in found.samples]
 
 
 def _computed(row: Row) -> list[tuple[str, float]]:

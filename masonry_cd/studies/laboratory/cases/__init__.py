@@ -11,9 +11,10 @@ from masonry_cd.studies.laboratory.cases import (
     granite_walls,
     overturning,
     restitution,
+    rocking_set,
 )
 
-_OTHERS = (bending, arch, arch_bridge, columns, restitution, overturning, bed)
+_OTHERS = (bending, arch, arch_bridge, columns, restitution, rocking_set, overturning, bed)
 CASES = {
     case.name: case
     for case in (dry_walls.CASE, granite_walls.CYCLIC, granite_walls.MORTAR, granite_walls.CRACKED, *(one.CASE for one in _OTHERS))
