@@ -141,7 +141,7 @@ def test_a_full_disc_is_reported_and_what_was_written_is_kept(tmp_path, monkeypa
             writer.flush()
             monkeypatch.setattr(result_writer.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
 
-    with pytest.raises(OSError, match="no room on the disc"), ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
+    with pytest.raises(OSError, match="the disk is full"), ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
         run(machine, joints, writer, RunPlan(20, 4), fill)
     with Results.open(tmp_path / "result.h5") as kept:
         assert kept.time == pytest.approx([0.0, 4e-3, 8e-3, 12e-3])

@@ -11,7 +11,6 @@ import pytest
 import record_files as files
 from command_line import done, masonry_cd
 from hostile import refused_at
-from places import ROOT
 
 from loads.picture import file_picture
 from loads.readers import READERS, RawRecord, Request, Source, formats, read
@@ -120,11 +119,6 @@ def test_decimal_commas_between_blanks(tmp_path: Path) -> None:
     assert found.before.numbers()["pga"] == pytest.approx(PEAK, rel=1e-5)
     with pytest.raises(InputError, match=r"0,0[0-9]+ is one number with a decimal comma, or two of a CSV file"):
         load(tmp_path, "\n".join(f"{v:.4f}" for v in files.WAVE).replace(".", ","), time_step=0.01)
-
-
-def test_the_page_on_records_has_a_row_for_each_format() -> None:
-    page = (ROOT / "docs" / "howto" / "records.md").read_text(encoding="utf-8").partition("## Formats")[2]
-    assert {line.split("`")[1] for line in page.splitlines() if line.startswith("| `") and "`format`" not in line} == set(READERS)
 
 
 def test_formats_are_listed_with_what_is_read_and_who_publishes_them() -> None:
