@@ -28,7 +28,7 @@ CAPTION = (
 )
 OF_MAP = (
     "The likelihood of the motion over its largest value, a mean over all other unknowns. Within the lines lie 50 and 90 % of the "
-    "posterior; the cross is the likeliest motion, the dots are the samples, larger the more they weigh. White: no samples."
+    "posterior; the cross is the likeliest motion within the first, dots are the samples, larger the more they weigh. White: no samples."
 )
 UNKNOWN = ("unknown", "unit", "5 %", "50 %", "95 %", "mean", "std", "before: 5 %", "95 %", "learnt")
 OBSERVED = ("observation", "observed", "error", "predicted: 5 %", "50 %", "95 %", "before: 5 %", "95 %", "off [std]", "helps [%]")

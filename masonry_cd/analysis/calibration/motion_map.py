@@ -36,8 +36,8 @@ class MotionMap:
 
     @property
     def likeliest(self) -> dict[str, float]:
-        """The point of the largest likelihood within the wider region."""
-        inside = np.where(self.density >= min(self.levels), np.nan_to_num(self.likelihood), -1.0)
+        """The point of the largest likelihood within the narrower region, where there are samples enough to tell."""
+        inside = np.where(self.density >= max(self.levels), np.nan_to_num(self.likelihood), -1.0)
         row, column = np.unravel_index(int(inside.argmax()), inside.shape)
         return {self.names[0]: float(self.across[column]), self.names[1]: float(self.up[row])}
 
