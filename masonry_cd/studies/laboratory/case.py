@@ -20,6 +20,7 @@ from masonry_cd.app.run_case import RESULTS, run_case
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.app.static_loads import static_loads
+from masonry_cd.foundation import own_files
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files.blockfile import write as write_blocks
@@ -112,7 +113,7 @@ def threshold(falls: Callable[[float], bool], low: float, high: float, halvings:
 
 def scene_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> Scene:
     """Write a scene and its blocks into a folder, and read it."""
-    folder.mkdir(parents=True, exist_ok=True)
+    own_files.begin(folder, (BLOCKS,))  # a search for a threshold writes them again and again
     write_blocks(folder / BLOCKS, blocks)
     (folder / SCENE).write_text(dump_toml({**tables, "structure": {"kind": "file", "path": BLOCKS}}), encoding="utf-8")
     return read_scene(folder / SCENE)
