@@ -28,9 +28,9 @@ from masonry_cd.app.result import silent
 from masonry_cd.studies.calibrate.command import calibrate
 from masonry_cd.studies.calibrate.plan import Calibration
 from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
-from masonry_cd.studies.study.clusters import Where, connected
-from masonry_cd.studies.study.study_case import Options
-from masonry_cd.studies.study.study_file import CalibrationTable, Study, parse_study, read_study
+from masonry_cd.studies.study.clusters import RunPlace, connected
+from masonry_cd.studies.study.study_case import StudyOptions
+from masonry_cd.studies.study.study_file import CalibrationTable, ReadStudy, parse_study, read_study
 from masonry_cd.studies.study.task import Task
 
 STUDY = """
@@ -78,7 +78,7 @@ CRACKS = (
 )
 
 
-def study(asked: argparse.Namespace) -> Study:
+def study(asked: argparse.Namespace) -> ReadStudy:
     """The study of a file, or of the column."""
     if asked.study is not None:
         given = read_study(asked.study)
@@ -90,14 +90,14 @@ def study(asked: argparse.Namespace) -> Study:
     return parse_study(text, Path("calibration.toml").absolute(), "calibration")
 
 
-def observing(of: Study, values: Sequence[float | bool | None]) -> Calibration:
+def observing(of: ReadStudy, values: Sequence[float | bool | None]) -> Calibration:
     """The calibration with other values of its observations; None where one is only predicted."""
     pairs = zip(of.tables.observations, values, strict=True)
     observations = [one.model_copy(update={"value": value}) for one, value in pairs]
     return Calibration.of(replace(of, tables=of.tables.model_copy(update={"observations": observations})))
 
 
-def truth(of: Study, repetition: int) -> tuple[dict[str, float], list[float | bool]]:
+def truth(of: ReadStudy, repetition: int) -> tuple[dict[str, float], list[float | bool]]:
     """The properties of a repetition, and what is observed then."""
     draw = np.random.default_rng((repetition, 7))
     blank = observing(of, [None] * len(of.tables.observations))
@@ -129,14 +129,16 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="of the runs, which are not made again")
     asked = parser.parse_args()
     inside, answered = dict[str, int](), 0
-    with TemporaryDirectory() as scratch, connected(Where(workers=2)) as (client, _):
+    with TemporaryDirectory() as scratch, connected(RunPlace(workers=2)) as (client, _):
         folder = asked.folder or Path(scratch) / "out"
         of = study(asked)
         samples = of.tables.samples or 1
         for k in range(asked.first, asked.first + asked.repetitions):
             begin, (values, observed) = time.perf_counter(), truth(of, k)
             plan = observing(of, observed)
-            found = calibrate(plan, folder, Options(Where(scheduler=str(client.scheduler_info()["address"])), quiet=True), silent).value
+            found = calibrate(
+                plan, folder, StudyOptions(RunPlace(scheduler=str(client.scheduler_info()["address"])), quiet=True), silent
+            ).value
             if not isinstance(found, Posterior):
                 raise SystemExit(f"{k}: interrupted")
             if found.refused:

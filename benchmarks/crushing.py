@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options, analyse
-from masonry_cd.analysis.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import JointLaw
@@ -53,7 +53,7 @@ def dry_wall(stress: float, strength: float | None) -> tuple[float, float | None
     dead, live = _loads(assembly)
     dead[-1, 2] = -stress * LENGTH * THICK
     live[-1, 0], live[-1, 4] = 1.0, PUSHED_AT - (top + 0.1)
-    found = analyse(assembly, find_joints(assembly), Loads(dead, live, Bars.none()), Options(starts=4))
+    found = analyse(assembly, find_joints(assembly), BlockLoads(dead, live, Bars.none()), LimitOptions(starts=4))
     return found.associated.factor, None if found.least is None else found.least.optimum.factor
 
 
@@ -69,7 +69,7 @@ def flat_arch(strength: float | None) -> float:
     dead, live = _loads(assembly)
     for k, side in ((stones // 2, 1.0), (stones // 2 + 1, -1.0)):
         live[k, 2], live[k, 4] = -0.5, 0.25 * wide * side
-    found = analyse(assembly, find_joints(assembly), Loads(dead, live, Bars.none()), Options(starts=0))
+    found = analyse(assembly, find_joints(assembly), BlockLoads(dead, live, Bars.none()), LimitOptions(starts=0))
     return found.associated.factor
 
 

@@ -34,9 +34,9 @@ from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.limit_structures import NAMES, USUAL, church, made, of_table
 from benchmarks.sitting import head
 from masonry_cd.analysis.limit import neighbours
-from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
+from masonry_cd.analysis.limit.analysis import Analysis, LimitOptions, analyse
 from masonry_cd.analysis.limit.mechanism import STATES
-from masonry_cd.analysis.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import limit_case
 from masonry_cd.limit.facts import facts
@@ -47,12 +47,12 @@ FRICTION = 0.6
 WAYS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 
 
-def push(assembly: Assembly, direction: Sequence[float] = WAYS["x"], bars: Bars | None = None) -> Loads:
+def push(assembly: Assembly, direction: Sequence[float] = WAYS["x"], bars: Bars | None = None) -> BlockLoads:
     """Gravity, and lambda times the weight along a direction, on the free blocks; and ties."""
     weight = np.where(assembly.fixed, 0.0, GRAVITY * assembly.mass)
     dead, live = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
     dead[:, 2], live[:, :3] = -weight, weight[:, None] * np.asarray(direction) / np.linalg.norm(direction)
-    return Loads(dead, live, bars or Bars.none())
+    return BlockLoads(dead, live, bars or Bars.none())
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Asked:
 def row(name: str, way: str, asked: Asked, rows: list[dict[str, Any]]) -> str:
     """A row of the table: limit analysis and dynamics of a structure; its numbers go to ``rows``, which are written as trials end."""
     assembly = Assembly.from_blocks(made(name), asked.friction)
-    found = analyse(assembly, find_joints(assembly), push(assembly, WAYS[way]), Options(starts=asked.starts))
+    found = analyse(assembly, find_joints(assembly), push(assembly, WAYS[way]), LimitOptions(starts=asked.starts))
     if not found.stands:
         return f"| {name} | {way} | {assembly.count} | does not stand | | | |"
     factor = found.associated.factor
@@ -101,7 +101,7 @@ def _ends(seen: Bracket) -> str:
 def wall_row(number: int, share: float) -> str:
     """A dry wall of Ferris & Tin-Loi: both factors, three starts, and the dynamics."""
     assembly = Assembly.from_blocks(dry_walls.dry_wall(number), dry_walls.FRICTION)
-    found = analyse(assembly, find_joints(assembly), push(assembly), Options(starts=3))
+    found = analyse(assembly, find_joints(assembly), push(assembly), LimitOptions(starts=3))
     factor = found.associated.factor
     lowest = found.least.optimum.factor if found.least else factor
     seen = bracket(assembly, WAYS["x"], (lowest, factor), share)
@@ -114,7 +114,7 @@ def size_row(length: float) -> str:
     assembly = Assembly.from_blocks(of_table(church(length)), FRICTION)
     joints = find_joints(assembly)
     begin = time.perf_counter()
-    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(starts=0))
+    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), LimitOptions(starts=0))
     whole = time.perf_counter() - begin
     answer, made = found.associated, found.associated.certificate
     worst = max(made.equilibrium, made.friction, made.flow)

@@ -54,8 +54,8 @@ def of_table(table: dict[str, Any]) -> list[Block]:
 def corner(bonded: bool = True) -> list[Block]:
     """Two walls that meet at the origin, one along x and one along y, on the ground."""
     walls = [
-        wall_plan.Wall("along", "along", 0, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
-        wall_plan.Wall("across", "across", 1, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
+        wall_plan.PlanWall("along", "along", 0, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
+        wall_plan.PlanWall("across", "across", 1, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
     ]
     sizes = wall_plan.Sizes(COURSE, 2.0 * COURSE)
     blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, DENSITY, bonded)

@@ -20,8 +20,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from masonry_cd.analysis.run_row import DONE, RunRow
-from masonry_cd.studies.study.clusters import Where, connected
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.clusters import RunPlace, connected
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.folder import JOINTS, StudyFolder
 from masonry_cd.studies.study.plan import Planned
@@ -52,7 +52,7 @@ def measure(runs: int, workers: int, seconds: float) -> list[dict[str, float]]:
     """Make the runs; a row for each tenth of them."""
     rows: list[dict[str, float]] = []
     done, last = 0, 0.0
-    with TemporaryDirectory() as scratch, connected(Where(workers=workers, memory=1.0)) as (client, _):
+    with TemporaryDirectory() as scratch, connected(RunPlace(workers=workers, memory=1.0)) as (client, _):
         folder = StudyFolder(Path(scratch))
         for name in (ROWS, JOINTS):
             (folder.path / name).mkdir()
@@ -69,7 +69,7 @@ def measure(runs: int, workers: int, seconds: float) -> list[dict[str, float]]:
                 last = now
             return ()
 
-        planned = [Planned(f"{k:08x}", Asked(), 1.0) for k in range(runs)]
+        planned = [Planned(f"{k:08x}", DesignedRun(), 1.0) for k in range(runs)]
         client.wait_for_workers(workers)
         last = time.perf_counter()
         Engine(client, lambda run: Task(run.name, SCENE, 60.0), ended, lambda *_: None, partial(wait, seconds=seconds)).execute(planned)

@@ -168,7 +168,7 @@ def end_of(
     return end, rest
 
 
-def _end(one: Asked, grid: RunGrid) -> float:
+def _end(one: LoadEntry, grid: RunGrid) -> float:
     """When a load has done what it does [s]; 0 of one that acts all along."""
     kind, table, where = one
     if kind.end is not None:
@@ -179,7 +179,7 @@ def _end(one: Asked, grid: RunGrid) -> float:
     return 0.0 if acted is None else acted.end
 
 
-class Asked(NamedTuple):
+class LoadEntry(NamedTuple):
     """A table of a scene."""
 
     kind: LoadKind
@@ -187,16 +187,16 @@ class Asked(NamedTuple):
     where: str  # its place, ``loads[0]``
 
 
-def asked(tables: Sequence[Mapping[str, Any]], folder: Path) -> list[Asked]:
+def asked(tables: Sequence[Mapping[str, Any]], folder: Path) -> list[LoadEntry]:
     """All [[loads]] tables of a scene in a folder, checked.
 
     Raises:
         InputError: the faults of all of them together.
     """
 
-    def one(at: int) -> Asked:
+    def one(at: int) -> LoadEntry:
         table = parse_load(tables[at], f"loads[{at}]", folder)
-        return Asked(load_kind(table.kind, f"loads[{at}]", folder), table, f"loads[{at}]")
+        return LoadEntry(load_kind(table.kind, f"loads[{at}]", folder), table, f"loads[{at}]")
 
     return of_each(one, range(len(tables)))
 
@@ -257,7 +257,7 @@ def _check_guides(parts: Sequence[LoadAction], forces: Forces | None, grid: RunG
         check_inertia(forces.guides, forces.points, grid, wheres)
 
 
-def _given_gravity(every: Sequence[Asked], filled: Sequence[LoadAction]) -> bool:
+def _given_gravity(every: Sequence[LoadEntry], filled: Sequence[LoadAction]) -> bool:
     """Return True if there is a table of kind gravity.
 
     Raises:

@@ -49,7 +49,7 @@ BESIDE = 1e-3  # [m]: a wall farther than this from what carries the fill stands
 LEAST = 1e-6  # of the largest resistance of a face: faces that are all but level have none
 
 
-class Thrust(NamedTuple):
+class FillPressure(NamedTuple):
     """Pressure of the fill on a face with K = 1."""
 
     face: FillFace
@@ -126,17 +126,17 @@ def _share(fill: Fill, shaken: bool) -> float:
     return fill.passive_shaken if shaken else fill.passive
 
 
-def _thrusts(fill: Fill, assembly: Assembly, gravity: float) -> list[Thrust]:
+def _thrusts(fill: Fill, assembly: Assembly, gravity: float) -> list[FillPressure]:
     """On walls and backs that may move, none where nothing presses."""
-    found, number = list[Thrust](), _numbers(assembly)
+    found, number = list[FillPressure](), _numbers(assembly)
     for face in fill.faces if fill.coefficients[fill.pressure] * gravity > 0.0 else ():
         if face.kind in ("wall", "back") and not _is_fixed(face, assembly, number):
             depth, place = face.pressed(fill.level)
-            found.append(Thrust(face, number[face.block], place, -fill.density * gravity * depth * face.area))
+            found.append(FillPressure(face, number[face.block], place, -fill.density * gravity * depth * face.area))
     return found
 
 
-def _slackening(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assembly) -> list[Tie]:
+def _slackening(fill: Fill, thrust: FillPressure, carriers: _Carriers, assembly: Assembly) -> list[Tie]:
     """The bars of one face: what K_0 has over K_a, and K_a."""
     size, deepest = math.hypot(*thrust.force), fill.level - float(thrust.face.corners[:, 2].min())
     if not size * deepest > 0.0:
@@ -168,7 +168,7 @@ def _carriers(fill: Fill, assembly: Assembly) -> _Carriers:
     return _Carriers(np.array([number[face.block] for face in under], dtype=np.int64), *ends.T)
 
 
-def _bearer(fill: Fill, thrust: Thrust, carriers: _Carriers, assembly: Assembly) -> int:
+def _bearer(fill: Fill, thrust: FillPressure, carriers: _Carriers, assembly: Assembly) -> int:
     """The block that carries the fill at the same place along the road; of the fill beyond the arches the nearest support."""
     ((along, across),) = _over_feet(fill, thrust.place[None])
     beside = (carriers.low - BESIDE <= along) & (along <= carriers.high + BESIDE) & (carriers.block != thrust.block)

@@ -14,7 +14,7 @@ import numpy as np
 
 from loads.motion import ROUNDING
 from loads.signal.accelerogram import Accelerogram, Processed, process
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
 from loads.signal.spectra.shape import ElasticSpectrum
@@ -30,7 +30,7 @@ LONGEST_DRAWN = 4.0  # period of a spectrum that has no end [s]
 DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
-def record_picture(before: History, after: History, path: Path, title: str = "", begin: float = 0.0) -> None:
+def record_picture(before: GroundHistory, after: GroundHistory, path: Path, title: str = "", begin: float = 0.0) -> None:
     """Draw a PNG (or PDF, SVG, by the name's ending).
 
     Args:
@@ -108,7 +108,7 @@ def spectrum_picture(spectrum: ElasticSpectrum, dampings: Sequence[float], title
     return figure
 
 
-def _histories(axes: Any, before: History, after: History, name: str, label: str, begin: float) -> None:
+def _histories(axes: Any, before: GroundHistory, after: GroundHistory, name: str, label: str, begin: float) -> None:
     """One quantity over time, with its peaks."""
     said, peaks = [], []
     for history, colour, width, word in ((before, BEFORE, 1.8, "before"), (after, AFTER, 0.9, "after")):
@@ -127,7 +127,7 @@ def _histories(axes: Any, before: History, after: History, name: str, label: str
     _quiet(axes)
 
 
-def _spectra(axes: Any, before: History, after: History) -> None:
+def _spectra(axes: Any, before: GroundHistory, after: GroundHistory) -> None:
     """Pseudo-acceleration over the period."""
     periods = default_periods(120)
     for history, colour, width, word in ((before, BEFORE, 2.6, "before"), (after, AFTER, 1.3, "after")):
@@ -143,7 +143,7 @@ def _spectra(axes: Any, before: History, after: History) -> None:
     _quiet(axes)
 
 
-def _build_up(axes: Any, after: History, begin: float) -> None:
+def _build_up(axes: Any, after: GroundHistory, begin: float) -> None:
     """Arias intensity over time, with the significant duration."""
     built = arias(after)
     low, high = significant_window(after)

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from loads import Asked, asked
+from loads import LoadEntry, asked
 from loads.bars import Tie
 from loads.kinds.tie import TieTable, bar
 from loads.motion import Pattern, RunGrid, Static
@@ -36,7 +36,7 @@ def static_tables(tables: Sequence[Mapping[str, Any]], grid: RunGrid) -> list[St
         InputError: the faults of all tables together.
     """
 
-    def one(load: Asked) -> StaticTable:
+    def one(load: LoadEntry) -> StaticTable:
         kind, table, where = load
         found = None if kind.static is None else kind.static(table, grid, where)
         return StaticTable(f"{where} ({table.kind})", "" if found is None else kind.pattern(table), found or Static(), found is None)

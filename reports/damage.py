@@ -25,7 +25,7 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.grades import NAMES, read_grades
 from masonry_cd.analysis.damage.joint_damage import JointDamage
-from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.damage.part_damage import DamageSettings, PartDamage, Row, part_damage
 from masonry_cd.analysis.outputs.measured import Measured, damage_numbers
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
@@ -40,9 +40,9 @@ def thresholds_of(settings: Report) -> Thresholds:
     return Thresholds(opened=settings.opened, slid=settings.slid)
 
 
-def damage_settings(settings: Report) -> Settings:
+def damage_settings(settings: Report) -> DamageSettings:
     """Return the thresholds of damage, and those of the grades."""
-    return Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
+    return DamageSettings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades))
 
 
 def damage_of(results: Results, settings: Report) -> PartDamage:

@@ -18,7 +18,7 @@ from reports.drawing.palette import DISPLACED, PARTED, REST, SUPPORT
 from reports.drawing.parts import BEHIND, Layer, Lines, Surface, painted, view_named
 from reports.drawing.plots import DPI, sheet
 from reports.drawing.render import render
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import drawn_in, window_around
 
 AMPLITUDE = 0.08  # largest drawn displacement, as a share of the size of the structure
@@ -52,7 +52,7 @@ def modes_picture(
     figure, panels = sheet(title, facts, count, size, rows)
     pixels = round(4.0 * DPI), round(4.0 * DPI * tall)
     for k, axes in enumerate(panels):
-        image = render(Scene(looking, window.fitted(pixels), _layers(skin, frame, k, reach, blocks)), pixels)
+        image = render(PictureScene(looking, window.fitted(pixels), _layers(skin, frame, k, reach, blocks)), pixels)
         axes.imshow(image, extent=(0, pixels[0], 0, pixels[1]))
         axes.set_axis_off()
         share = "   ".join(f"{axis} {100 * value:.0f} %" for axis, value in zip("xyz", modes.participation[k], strict=True))

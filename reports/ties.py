@@ -12,11 +12,11 @@ from masonry_cd.analysis.ties import histories
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_tables import Tie
+from masonry_cd.io.summary_tables import TieTension
 from reports.drawing.parts import Ties
 
 CSV = "ties.csv"
-COLUMNS = ("tie", "block_a", "block_b", *tuple(Tie.model_fields)[2:])
+COLUMNS = ("tie", "block_a", "block_b", *tuple(TieTension.model_fields)[2:])
 
 
 def tie_lines(results: Results, origin: np.ndarray) -> dict[str, np.ndarray]:

@@ -22,17 +22,17 @@ if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs 
     from masonry_cd.mechanics.model.blocks import Block
     from masonry_cd.mechanics.model.fill import Fill
     from structures.kind import StructureKind
-    from structures.ties import Bar
+    from structures.ties import PlacedBar
 
 KINDS: Extensions[StructureKind] = Extensions("structures.kinds", "KIND")
 
 
-class Made(NamedTuple):
+class MadeStructure(NamedTuple):
     """Structure and loads that the tables of a scene make."""
 
     blocks: list[Block]
     notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed; and on floors and ties
-    ties: Sequence[Bar] = ()
+    ties: Sequence[PlacedBar] = ()
     fills: Sequence[Fill] = ()  # of bridges: what is no blocks, and loads ask
     floors: Sequence[tuple[str, dict[str, Any]]] = ()  # that a kind asks for: its key, and the keys of the floor
 
@@ -42,7 +42,7 @@ def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list
     return make(table, density, folder).blocks
 
 
-def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
+def make(table: Mapping[str, Any], density: float | None, folder: Path) -> MadeStructure:
     """Build the blocks of a structure and check them.
 
     Args:
@@ -78,7 +78,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         faults.found += error.faults
     faults.found += keys.found
     faults.refuse()
-    fills = made.fills if isinstance(made, Made) else ()
+    fills = made.fills if isinstance(made, MadeStructure) else ()
     blocks, notes = made[:2] if isinstance(made, tuple) else (made, [])
     from structures.layout.ground import needs_ground, with_ground
 
@@ -89,8 +89,8 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
 
         with size.limited(table.get(size.KEY, size.MOST)):
             blocks = in_pieces(blocks, table["foundations"])
-    bars = list(made.ties) if isinstance(made, Made) else []
-    asked = made.floors if isinstance(made, Made) else ()
+    bars = list(made.ties) if isinstance(made, MadeStructure) else []
+    asked = made.floors if isinstance(made, MadeStructure) else ()
     if floors or asked:
         places = [*(f"structure.floors[{i}]" for i in range(len(floors))), *(place for place, _ in asked)]
         floors += [FloorTable.model_validate(keys) for _, keys in asked]
@@ -100,7 +100,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     bars, notes = [*bars, *rods], [*notes, *more]
     if "ground" not in table and kind.grounded and needs_ground(blocks):  # last, since it bears nothing
         blocks = with_ground(blocks, True)
-    return Made(blocks, notes, bars, fills)
+    return MadeStructure(blocks, notes, bars, fills)
 
 
 def kind_of(name: str, folder: Path | None = None) -> StructureKind:

@@ -41,7 +41,7 @@ from structures.geometry.prism import between, box
 from structures.layout.pockets import width_of, with_pockets
 from structures.layout.rooms import AT, Plans, Side, polygon_of, room
 from structures.schema import HIGH, ArealMass, Height, Length, Place, Table, Thickness
-from structures.ties import MODULI, MOST, SPACING, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
+from structures.ties import MODULI, MOST, SPACING, Anchor, ConvexSolids, PlacedBar, TieRowTable, anchors_at, bar_between
 
 KEY = "floors"
 SLIVER = 0.05  # of the thickness of a floor: less than this of a block next to its seat is refused
@@ -154,7 +154,7 @@ class _Floor:
 
 def with_floors(
     blocks: Sequence[Block], tables: Sequence[FloorTable], places: Sequence[str] = ()
-) -> tuple[list[Block], list[Bar], list[str]]:
+) -> tuple[list[Block], list[PlacedBar], list[str]]:
     """The blocks of a structure with its floors and the seats cut for them, the anchors, and a line on each floor.
 
     Args:
@@ -172,7 +172,7 @@ def with_floors(
             floor = _placed(made, keys, places[i] if places else f"structure.{KEY}[{i}]", keys.name or f"floor{i + 1}")
             made = [*_with_seats(made, floor), *floor.blocks]
             floors.append(floor)
-    solids, bars = Solids.of(made), list[Bar]()
+    solids, bars = ConvexSolids.of(made), list[PlacedBar]()
     for floor in floors:
         if floor.keys.anchors is not None:
             for side in floor.tied:
@@ -208,7 +208,7 @@ def _placed(blocks: Sequence[Block], keys: FloorTable, where: str, name: str) ->
     if any(name in (block.name, block.group) for block in blocks):
         raise InputError(f"{where}.name", f'"{name}" is the name of other blocks')
     bottom, top = keys.height - keys.thickness, keys.height
-    solids = Solids.of(blocks)
+    solids = ConvexSolids.of(blocks)
     if keys.anchors is not None and keys.anchors.walls is not None:
         solids.any_of(keys.anchors.walls, f"{where}.anchors.walls")
     named = solids.any_of(keys.walls, f"{where}.walls")
@@ -286,7 +286,7 @@ def _with_seats(blocks: Sequence[Block], floor: _Floor) -> list[Block]:
     return made
 
 
-def _anchored(solids: Solids, floor: _Floor, side: Side, keys: AnchorTable) -> Iterator[Bar]:
+def _anchored(solids: ConvexSolids, floor: _Floor, side: Side, keys: AnchorTable) -> Iterator[PlacedBar]:
     """The anchors of a floor on one side, evenly along its seat, from within it to the outer face of the wall."""
     where = f"{floor.where}.anchors"
     along = np.array([-side.normal[1], side.normal[0]])
@@ -300,7 +300,7 @@ def _anchored(solids: Solids, floor: _Floor, side: Side, keys: AnchorTable) -> I
     axis = int(np.abs(side.normal).argmax())
     turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal
     axis, sign = (axis, int(side.normal[axis])) if (turn == np.eye(2)).all() else (0, 1)
-    turned = solids if (turn == np.eye(2)).all() else Solids.of([_turned(block, turn) for block in solids.blocks])
+    turned = solids if (turn == np.eye(2)).all() else ConvexSolids.of([_turned(block, turn) for block in solids.blocks])
     line = {"along": "xy"[axis], "height": floor.keys.height - 0.5 * floor.keys.thickness}
     row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length", "walls"}), where)
     allowed = _in_wall(turned, axis, sorted((sign * side.place, sign * side.far)))
@@ -323,14 +323,14 @@ def _turned(block: Block, turn: np.ndarray) -> Block:
     return moved(block, put)
 
 
-def _slab_at(solids: Solids, floor: _Floor, point: np.ndarray) -> int:
+def _slab_at(solids: ConvexSolids, floor: _Floor, point: np.ndarray) -> int:
     """The number of the slab, or of the strip, in which a point (2,) lies, or that is nearest to it."""
     own = [i for i, block in enumerate(solids.blocks) if block.group == floor.name]
     across = np.array([-floor.span[1], floor.span[0]])
     return min(own, key=lambda i: abs(float((solids.blocks[i].vertices[:, :2] @ across).mean() - point @ across)))
 
 
-def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, where: str) -> tuple[Side, ...]:
+def _tied(solids: ConvexSolids, seats: tuple[Side, ...], keys: AnchorTable | None, where: str) -> tuple[Side, ...]:
     """Those of the sides with seats on which a floor is anchored.
 
     Raises:
@@ -348,7 +348,7 @@ def _tied(solids: Solids, seats: tuple[Side, ...], keys: AnchorTable | None, whe
     return tuple(tied)
 
 
-def _in_wall(solids: Solids, axis: int, reach: Sequence[float]) -> np.ndarray:
+def _in_wall(solids: ConvexSolids, axis: int, reach: Sequence[float]) -> np.ndarray:
     """(B,) the free blocks within the thickness of a wall, which it has along an axis between two places [m]."""
     parts = (solids.low[:, axis] >= reach[0] - AT) & (solids.high[:, axis] <= reach[1] + AT)
     found = np.zeros(len(solids.blocks), dtype=bool)
@@ -356,7 +356,7 @@ def _in_wall(solids: Solids, axis: int, reach: Sequence[float]) -> np.ndarray:
     return found & np.array([not block.fixed for block in solids.blocks])
 
 
-def _note(floor: _Floor, bars: Sequence[Bar]) -> str:
+def _note(floor: _Floor, bars: Sequence[PlacedBar]) -> str:
     """A floor as text."""
     size, tonnes = np.ptp(floor.plan, axis=0), floor.keys.mass * polygon_area(floor.plan) / 1e3
     kind = "rigid" if floor.keys.strips == 1 else f"of {floor.keys.strips} strips"

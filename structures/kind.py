@@ -19,13 +19,13 @@ from pydantic import BaseModel
 from masonry_cd.foundation.errors import Fault
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.wall_outline import WallOutline
-from structures.macro_elements import Layout, MacroElement, groups
+from structures.macro_elements import BlockLayout, MacroElement, groups
 
 if TYPE_CHECKING:
-    from structures import Made
+    from structures import MadeStructure
 
 Keys: TypeAlias = dict[str, Any]  # of a table [structure], with its kind
-Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]] | Made]"
+Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]] | MadeStructure]"
 Assume: TypeAlias = Callable[[Keys, bool], "dict[str, Keys] | str"]
 
 
@@ -68,7 +68,7 @@ class StructureKind:
     assumptions: Mapping[str, Assume] = field(default_factory=dict)
     """Other assumptions on a structure, by their names: from its table, and whether something crosses it, each gives names and keys, as
     ``bonds`` does, or the reason why it is not varied."""
-    parts: Callable[[Layout], list[MacroElement]] = groups
+    parts: Callable[[BlockLayout], list[MacroElement]] = groups
     """Its macro-elements."""
     plan: Callable[[Mapping[str, Any], Path, Sequence[Fault]], DrawnPlan] | None = None
     """The plan that it is built from; of own keys, the folder of the scene, and what is wrong with it."""

@@ -31,12 +31,12 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from structures import Made, make
+from structures import MadeStructure, make
 from structures.geometry.checks import check
 from structures.geometry.convex import halves
 from structures.geometry.prism import box
 from structures.schema import Table
-from structures.ties import Bar
+from structures.ties import PlacedBar
 
 KEYS = ("name", "at", "rotate")
 LEVEL = 1e-9  # of a size: closer than this is one height, and structures that overlap by less touch
@@ -95,14 +95,14 @@ class Place:
         carried = None if own.carried is None else own.carried.moved(self.turn, self.points(own.carried.centre[None])[0])
         return replace(own, name=name, group=group, structure=self.name, vertices=self.points(own.vertices), parts=parts, carried=carried)
 
-    def bar(self, own: Bar, number: int) -> Bar:
+    def bar(self, own: PlacedBar, number: int) -> PlacedBar:
         """A tie of the structure in the world, of the structure with a number among all."""
         first, second = (f"{self.name}.{block}" for block in own.blocks)
         keys = {**own.keys, "name": f"{self.name}.{own.keys['name']}"}
-        return Bar(_among(own.where, number), (first, second), self.points(own.points), keys)
+        return PlacedBar(_among(own.where, number), (first, second), self.points(own.points), keys)
 
 
-def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Path) -> Made:
+def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Path) -> MadeStructure:
     """Build the structures of a scene, see :func:`structures.make`.
 
     Raises:
@@ -123,7 +123,7 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
         for i, (place, one) in enumerate(zip(places, made, strict=True))
         for fill in one.fills
     ]
-    return Made(blocks, notes, bars, fills)
+    return MadeStructure(blocks, notes, bars, fills)
 
 
 def _place_of(table: Mapping[str, Any], number: int) -> Place:
@@ -131,7 +131,7 @@ def _place_of(table: Mapping[str, Any], number: int) -> Place:
     return Place.of(parse_table(PlaceTable, {key: table[key] for key in KEYS if key in table}, f"structures[{number}]"))
 
 
-def _made(table: Mapping[str, Any], density: float | None, folder: Path, number: int) -> Made:
+def _made(table: Mapping[str, Any], density: float | None, folder: Path, number: int) -> MadeStructure:
     """A structure by itself; what is wrong with it is said by its place among the structures."""
     own = {key: value for key, value in table.items() if key not in KEYS}
     try:

@@ -14,8 +14,8 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from structures.macro_elements import Layout, rests
-from structures.ties import AXES, LineTable, Solids, TieRowTable, places_of, ties_of
+from structures.macro_elements import BlockLayout, rests
+from structures.ties import AXES, ConvexSolids, LineTable, TieRowTable, places_of, ties_of
 
 BELOW = 0.1  # of a floor or roof at which a tie runs [m]
 THROUGH = 0.25  # of the box around a straight wall that its widest stone takes at least: walls have at most four leaves
@@ -29,7 +29,7 @@ def one_by_one(blocks: Sequence[Block], tables: Sequence[LineTable], where: str)
     Raises:
         InputError: parts that no block has, or a height at which none of them stands.
     """
-    solids, found = Solids.of(blocks), []
+    solids, found = ConvexSolids.of(blocks), []
     for i, keys in enumerate(tables):
         own, name = f"{where}[{i}]", keys.name or f"candidate{i + 1}"
         allowed = solids.any_of(keys.parts or ("*",), f"{own}.parts")
@@ -48,7 +48,7 @@ def by_rule(blocks: Sequence[Block], rule: str, spacing: float, plate: float | N
     Raises:
         InputError: a structure for which the rule gives none.
     """
-    layout, solids = Layout.of(blocks), Solids.of(blocks)
+    layout, solids = BlockLayout.of(blocks), ConvexSolids.of(blocks)
     lines = _corners(layout, solids) if rule == "corners" else _under(layout, solids, rule, spacing)
     found, left = list[dict[str, object]](), list[str]()
     for keys in lines:
@@ -64,14 +64,14 @@ def by_rule(blocks: Sequence[Block], rule: str, spacing: float, plate: float | N
     return found, f"{rule}: {len(left)} of {len(left) + len(found)} lines are left out: {left[0]}" if left else ""
 
 
-def _slabs(layout: Layout, rule: str = "") -> Iterator[tuple[str, np.ndarray]]:
+def _slabs(layout: BlockLayout, rule: str = "") -> Iterator[tuple[str, np.ndarray]]:
     """The groups that rest on walls: floors, roofs with vaults, or both without a rule, with the numbers of their blocks."""
     for name in layout.names:
         if rests(name) and rule in ("", "floors" if name.startswith("floor") else "roofs"):
             yield name, layout.of_groups(name)
 
 
-def _under(layout: Layout, solids: Solids, rule: str, spacing: float) -> Iterator[dict[str, object]]:
+def _under(layout: BlockLayout, solids: ConvexSolids, rule: str, spacing: float) -> Iterator[dict[str, object]]:
     """Lines under floors, or under roofs and vaults."""
     for name, own in _slabs(layout, rule):
         low, high = layout.low[own].min(axis=0), layout.high[own].max(axis=0)
@@ -84,7 +84,7 @@ def _under(layout: Layout, solids: Solids, rule: str, spacing: float) -> Iterato
                 yield keys | {"name": f"{name} {along}{k + 1}"}
 
 
-def _corners(layout: Layout, solids: Solids) -> Iterator[dict[str, object]]:
+def _corners(layout: BlockLayout, solids: ConvexSolids) -> Iterator[dict[str, object]]:
     """Lines along walls in plan, from corner to corner."""
     levels = [layout.foot(own) - BELOW for _, own in _slabs(layout)]
     names = [name for name in dict.fromkeys(map(str, layout.wall)) if _is_straight(layout, layout.of_walls(name))]
@@ -98,7 +98,7 @@ def _corners(layout: Layout, solids: Solids) -> Iterator[dict[str, object]]:
             yield _line(layout, solids, "xy"[axis], (across, level), ends) | {"name": f"{name} {k + 1}"}
 
 
-def _is_straight(layout: Layout, own: np.ndarray) -> bool:
+def _is_straight(layout: BlockLayout, own: np.ndarray) -> bool:
     """True of several blocks of a wall that is straight in plan: its stones reach through its box, or through a leaf of it."""
     if len(own) < 2 or rests(str(layout.group[own[0]])):
         return False
@@ -107,7 +107,9 @@ def _is_straight(layout: Layout, own: np.ndarray) -> bool:
     return bool(size.max() >= THROUGH * (layout.high[own, across].max() - layout.low[own, across].min()))
 
 
-def _line(layout: Layout, solids: Solids, along: str, through: tuple[float, float], ends: tuple[float, float]) -> dict[str, object]:
+def _line(
+    layout: BlockLayout, solids: ConvexSolids, along: str, through: tuple[float, float], ends: tuple[float, float]
+) -> dict[str, object]:
     """The keys of a line along an axis, through a place along the other one and a height, on the walls nearest to two ends along it [m]."""
     axis, point = AXES[along], np.empty(3)
     point[axis], point[1 - axis], point[2] = 0.0, *through

@@ -115,7 +115,7 @@ class TieRowTable(LineTable):
         return self.area if self.area is not None else 0.25 * math.pi * (self.diameter or 0.0) ** 2
 
 
-class Bar(NamedTuple):
+class PlacedBar(NamedTuple):
     """A tie between two blocks, or one of the bars that it is spread over."""
 
     where: str  # the table that asked for it
@@ -128,7 +128,7 @@ class Bar(NamedTuple):
         return {"kind": "tie", "blocks": list(self.blocks), "points": self.points.tolist(), **self.keys}
 
 
-def lines_of(bars: Sequence[Bar]) -> list[np.ndarray]:
+def lines_of(bars: Sequence[PlacedBar]) -> list[np.ndarray]:
     """A line (2, 3) for each tie [m], between the means of what its bars hold on to."""
     found = []
     for name in dict.fromkeys(bar.keys["name"] for bar in bars):
@@ -145,7 +145,7 @@ class Anchor(NamedTuple):
     share: float  # of the pull
 
 
-def ties_of(blocks: Sequence[Block], tables: Sequence[TieRowTable]) -> tuple[list[Bar], list[str]]:
+def ties_of(blocks: Sequence[Block], tables: Sequence[TieRowTable]) -> tuple[list[PlacedBar], list[str]]:
     """The bars of all ties of a structure, and a line on each table.
 
     Args:
@@ -157,7 +157,7 @@ def ties_of(blocks: Sequence[Block], tables: Sequence[TieRowTable]) -> tuple[lis
     """
     if not tables:
         return [], []
-    faults, solids, bars, notes = Faults(), Solids.of(blocks), list[Bar](), list[str]()
+    faults, solids, bars, notes = Faults(), ConvexSolids.of(blocks), list[PlacedBar](), list[str]()
     for i, keys in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
         with faults.of():
@@ -172,7 +172,7 @@ def ties_of(blocks: Sequence[Block], tables: Sequence[TieRowTable]) -> tuple[lis
 
 
 @dataclass(frozen=True, eq=False)
-class Solids:
+class ConvexSolids:
     """The convex parts of all blocks, for lines through them."""
 
     blocks: Sequence[Block]
@@ -182,7 +182,7 @@ class Solids:
     planes: list[tuple[np.ndarray, np.ndarray]]  # outward normals (F, 3) and offsets (F,) of each
 
     @classmethod
-    def of(cls, blocks: Sequence[Block]) -> Solids:
+    def of(cls, blocks: Sequence[Block]) -> ConvexSolids:
         parts = [(i, part) for i, block in enumerate(blocks) for part in block.convex_parts]
         planes = [loop_planes([part.vertices[list(face)] for face in part.faces]) for _, part in parts]
         low, high = (np.array([edge(part.vertices, axis=0) for _, part in parts]) for edge in (np.min, np.max))
@@ -224,7 +224,7 @@ class Solids:
         return found
 
 
-def _row(solids: Solids, keys: TieRowTable, where: str, name: str) -> Iterator[Bar]:
+def _row(solids: ConvexSolids, keys: TieRowTable, where: str, name: str) -> Iterator[PlacedBar]:
     """The bars of a table."""
     axis = AXES[keys.along]
     names = keys.parts or (None,)
@@ -244,7 +244,7 @@ def _row(solids: Solids, keys: TieRowTable, where: str, name: str) -> Iterator[B
             yield bar_between(solids, keys, a, b, where, name if len(places) == 1 else f"{name}.{k + 1}")
 
 
-def bar_between(solids: Solids, keys: TieRowTable, a: Anchor, b: Anchor, where: str, name: str) -> Bar:
+def bar_between(solids: ConvexSolids, keys: TieRowTable, a: Anchor, b: Anchor, where: str, name: str) -> PlacedBar:
     """The bar of a tie between two of its anchors, with its share of the section and of the forces."""
     share = a.share * b.share
     shared = {
@@ -257,10 +257,10 @@ def bar_between(solids: Solids, keys: TieRowTable, a: Anchor, b: Anchor, where: 
     }
     limit = {} if keys.yield_force is None else {"yield_force": share * keys.yield_force}
     held = (solids.blocks[a.block].name, solids.blocks[b.block].name)
-    return Bar(where, held, np.array([a.point, b.point]), shared | limit)
+    return PlacedBar(where, held, np.array([a.point, b.point]), shared | limit)
 
 
-def places_of(solids: Solids, keys: LineTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
+def places_of(solids: ConvexSolids, keys: LineTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
     """Where the ties of a table lie along the other axis [m]."""
     if keys.at is not None:
         return list(keys.at)
@@ -278,7 +278,7 @@ def places_of(solids: Solids, keys: LineTable, axis: int, allowed: np.ndarray, w
 
 
 def anchors_at(
-    solids: Solids, keys: TieRowTable, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, where: str
+    solids: ConvexSolids, keys: TieRowTable, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, where: str
 ) -> list[Anchor]:
     """The blocks that an end holds on to: the lower end of a line for sign -1, the upper for +1.
 
@@ -312,7 +312,9 @@ def anchors_at(
     return [Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
 
 
-def _outermost(solids: Solids, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, anchor: str) -> tuple[float, int] | None:
+def _outermost(
+    solids: ConvexSolids, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, anchor: str
+) -> tuple[float, int] | None:
     """Where along the axis an end of a line lies [m], and its block; None where the line meets none."""
     lower = through.copy()
     lower[[1 - axis, 2]] -= NUDGE
@@ -330,7 +332,7 @@ def _line(keys: TieRowTable, place: float) -> str:
     return f"the line along {keys.along} at {'yx'[AXES[keys.along]]} = {place:.4g} m, z = {keys.height:.4g} m"
 
 
-def _note(keys: TieRowTable, name: str, bars: Sequence[Bar]) -> str:
+def _note(keys: TieRowTable, name: str, bars: Sequence[PlacedBar]) -> str:
     """A table as text."""
     count = len({bar.keys["name"] for bar in bars})
     longest = max(math.hypot(*(bar.points[1] - bar.points[0])) for bar in bars)

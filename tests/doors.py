@@ -41,7 +41,7 @@ from masonry_cd.foundation.errors import parse_table
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.study_case import plan_of
-from structures import Made
+from structures import MadeStructure
 
 RAN = '[structure]\nkind = "file"\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 0.1\nduration = 0.2\n'
 Door = Callable[..., Callable[[], Any]]
@@ -55,7 +55,7 @@ def piers() -> Assembly:
 
 
 @cache
-def bridge_of(walls: bool = False) -> tuple[Made, Assembly]:
+def bridge_of(walls: bool = False) -> tuple[MadeStructure, Assembly]:
     """A bridge, whose fill presses on its spandrel walls where it has such."""
     return bridge(width=3.0, **({"walls": {}} if walls else {}))
 

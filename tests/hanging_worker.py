@@ -16,7 +16,7 @@ def dask_setup(worker: Any) -> None:
     """Have `prepare` hang for the scenes whose first load has the amplitude HANGING."""
     prepare = case.prepare
 
-    def hanging(scene: Scene, structure: case.Structure | None = None) -> case.Case:
+    def hanging(scene: Scene, structure: case.BuiltStructure | None = None) -> case.Case:
         if scene.loads[0]["amplitude"] == studied.HANGING:
             Event().wait()
         return prepare(scene, structure)

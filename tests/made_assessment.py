@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FILE, LEVEL, PAIR, Assessment, Known, Member
+from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FILE, LEVEL, PAIR, Assessment, KnownAssumption, Member
 from masonry_cd.analysis.run_row import RunRow, row_of
 
 KNOWN = (
-    Known("joint stiffness", "rigid", ("E 3.3 GPa", "E 700 MPa")),
-    Known("friction", "0.5", ("0.4", "0.6")),
-    Known("damping", "none", ("0 %", "5 %"), reference="0 %"),
-    Known("time step", "4 ms", ("2 ms",), numerical=True),
-    Known("tolerance", "1e-05", ("1e-06",), numerical=True),
+    KnownAssumption("joint stiffness", "rigid", ("E 3.3 GPa", "E 700 MPa")),
+    KnownAssumption("friction", "0.5", ("0.4", "0.6")),
+    KnownAssumption("damping", "none", ("0 %", "5 %"), reference="0 %"),
+    KnownAssumption("time step", "4 ms", ("2 ms",), numerical=True),
+    KnownAssumption("tolerance", "1e-05", ("1e-06",), numerical=True),
 )
 LEVELS = {
     ("joint stiffness", "E 3.3 GPa"): 120.0,

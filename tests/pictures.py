@@ -13,7 +13,7 @@ from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet, layout
 from reports.drawing.palette import OPENING
 from reports.drawing.parts import Scale
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing
 
@@ -50,7 +50,7 @@ def opening_scale() -> Scale:
     return Scale(1e-4, 0.05, OPENING)
 
 
-def scene_of(results: Results, frame: int = -1, style: MapStyle | None = None) -> Scene:
+def scene_of(results: Results, frame: int = -1, style: MapStyle | None = None) -> PictureScene:
     """The crack map of a frame, in a framing of its own."""
     frame = frame_index(results, frame)
     return crack_scene(results, frame, framing(results, [frame], style or MapStyle()))

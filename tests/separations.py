@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
-from masonry_cd.mechanics.model.blocks import Shapes
+from masonry_cd.mechanics.model.blocks import ConvexShapes
 
 
 def signed_distance(a: np.ndarray, b: np.ndarray) -> float:
@@ -40,7 +40,7 @@ def _distances_from_origin(triangles: np.ndarray) -> np.ndarray:
     return np.where(inside, np.linalg.norm(foot, axis=1), np.min(edges, axis=0))
 
 
-def parts_in_world(shapes: Shapes, position: np.ndarray, rotation: np.ndarray) -> list[np.ndarray]:
+def parts_in_world(shapes: ConvexShapes, position: np.ndarray, rotation: np.ndarray) -> list[np.ndarray]:
     """The corners of each part (V, 3) in the world frame [m]."""
     starts, blocks = shapes.solids.vertex_start, shapes.part_block
     local = [shapes.solids.vertices[first:end] for first, end in pairwise(starts)]

@@ -22,7 +22,7 @@ def build(kind: str, **keys: object) -> list[Block]:
     return structures.build({"kind": kind, **keys}, 2000.0, Path())
 
 
-def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
+def holes_of(wall: wall_plan.PlanWall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
     """The polygons s, z of the openings of a wall."""
     from masonry_cd.foundation.errors import Faults
     from structures.building import square_plan
@@ -34,14 +34,14 @@ def holes_of(wall: wall_plan.Wall, sizes: wall_plan.Sizes) -> list[np.ndarray]:
     return [polygons.loop(frame.hole) + [wall.start, 0.0] for some in frames.values() for frame in some]
 
 
-def outline(wall: wall_plan.Wall) -> list[tuple[float, float]]:
+def outline(wall: wall_plan.PlanWall) -> list[tuple[float, float]]:
     """The polygon s, z of a wall without shoulders."""
     a, b = wall.start, wall.end
     peak = [(0.5 * (a + b), wall.top + wall.gable)] if wall.gable else []
     return [(a, wall.foot), (b, wall.foot), (b, wall.top), *peak, (a, wall.top)]
 
 
-def volume_of_walls(walls: Sequence[wall_plan.Wall], sizes: wall_plan.Sizes) -> float:
+def volume_of_walls(walls: Sequence[wall_plan.PlanWall], sizes: wall_plan.Sizes) -> float:
     """Volume of the union of some walls, without their openings, by the geometry kernel [m3]."""
     with gmsh_session() as gmsh:
         occ = gmsh.model.occ
@@ -56,7 +56,7 @@ def volume_of_walls(walls: Sequence[wall_plan.Wall], sizes: wall_plan.Sizes) -> 
         return float(sum(occ.getMass(*body) for body in bodies))
 
 
-def _slab(occ, wall: wall_plan.Wall, polygon: Sequence[tuple[float, float]]) -> tuple[int, int]:
+def _slab(occ, wall: wall_plan.PlanWall, polygon: Sequence[tuple[float, float]]) -> tuple[int, int]:
     """A polygon drawn out over the thickness of its wall."""
     thickness = wall.far - wall.near
     place = [(s, wall.near, z) if wall.axis == 0 else (wall.near, s, z) for s, z in polygon]

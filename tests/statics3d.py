@@ -14,7 +14,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.analysis.limit.analysis import STANDS, at_rest
-from masonry_cd.analysis.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
@@ -42,5 +42,5 @@ def can_stand(blocks: Sequence[Block], mu: float, push: tuple[float, float, floa
     assembly = Assembly.from_blocks(blocks, mu)
     dead = np.zeros((assembly.count, 6))
     dead[:, :3] = np.where(assembly.fixed, 0.0, assembly.mass)[:, None] * (np.array(push) - [0.0, 0.0, 1.0])
-    _, found = at_rest(assembly, find_joints(assembly), Loads(dead, np.zeros_like(dead), Bars.none()))
+    _, found = at_rest(assembly, find_joints(assembly), BlockLoads(dead, np.zeros_like(dead), Bars.none()))
     return found.factor > 1.0 - STANDS

@@ -26,7 +26,7 @@ from pydantic import Field, model_validator
 from loads.kinds.record import sample
 from loads.motion import DirectionKey, LoadAction, LoadKind, RunGrid, describe, smooth_step
 from loads.signal.accelerogram import Processed, between
-from loads.signal.baseline import ORDERS, History, correct, integrate
+from loads.signal.baseline import ORDERS, GroundHistory, correct, integrate
 from loads.signal.code_spectrum import SiteSpectrum
 from loads.signal.intensity import in_words, reached
 from loads.signal.response import Oscillators, response_spectrum
@@ -126,7 +126,7 @@ class ArtificialTable(SpectrumMatch, ShakingTable):
 class Match:
     """An accelerogram and how well it meets its target."""
 
-    motion: History
+    motion: GroundHistory
     worst: float  # largest |S / S_target - 1| inside the range
 
 
@@ -156,7 +156,7 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> LoadAction:
     )
 
 
-def drawn(table: SpectrumMatch, where: str) -> History:
+def drawn(table: SpectrumMatch, where: str) -> GroundHistory:
     """The accelerogram of a table, from rest to rest; equal seeds give equal samples.
 
     Raises:

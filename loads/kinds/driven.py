@@ -84,7 +84,7 @@ class DrivenKeys(GuidedKeys):
 
 
 @dataclass(frozen=True)
-class Path:
+class PushPath:
     """The way of a push: J legs."""
 
     begins: tuple[float, ...]  # when each leg begins [s]
@@ -130,7 +130,7 @@ def driven(table: DrivenKeys, direction: Direction, start: float, grid: RunGrid,
     return LoadAction(forces=(guide,), lines=(line,), summary=summary, acted=Acted(where, "path", path.end, path.passed))
 
 
-def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:
+def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> PushPath:
     """The way of a push.
 
     Raises:
@@ -148,7 +148,7 @@ def path_of(table: DrivenKeys, start: float, grid: RunGrid, where: str) -> Path:
         at += length + table.hold
     if at > MOST_STEPS * grid.dt:
         raise InputError(where, f"its way takes {at:.3g} s, more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
-    return Path(tuple(begins), tuple(lengths), tuple(ways), at)
+    return PushPath(tuple(begins), tuple(lengths), tuple(ways), at)
 
 
 def _length(table: DrivenKeys, way: float, grid: RunGrid, where: str) -> float:

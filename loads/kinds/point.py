@@ -31,7 +31,7 @@ FORCE = (
 )
 
 
-class PointTable(LoadTable):
+class PointLoadTable(LoadTable):
     """Keys of ``kind = "point"``."""
 
     kind: Literal["point"] = "point"
@@ -92,7 +92,7 @@ class PointTable(LoadTable):
         return found
 
 
-def point(table: PointTable, grid: RunGrid, where: str) -> LoadAction:
+def point(table: PointLoadTable, grid: RunGrid, where: str) -> LoadAction:
     """A point load.
 
     Raises:
@@ -114,7 +114,7 @@ def point(table: PointTable, grid: RunGrid, where: str) -> LoadAction:
     )
 
 
-def _load(table: PointTable, grid: RunGrid, where: str) -> PointLoad:
+def _load(table: PointLoadTable, grid: RunGrid, where: str) -> PointLoad:
     """The force on its block.
 
     Raises:
@@ -131,14 +131,14 @@ def _load(table: PointTable, grid: RunGrid, where: str) -> PointLoad:
     return PointLoad(block, arm, np.array(table.force), table.factor(grid.times), moment)
 
 
-def _senses(table: PointTable, down: np.ndarray, where: str) -> Iterator[tuple[str, str]]:
+def _senses(table: PointLoadTable, down: np.ndarray, where: str) -> Iterator[tuple[str, str]]:
     if lifts(table.force, down):
         yield f"{where}.force", f"{where}.force = {list(table.force)} N lifts its block: weights act along -z"
 
 
 KINDS = {
     "point": LoadKind(
-        PointTable,
+        PointLoadTable,
         point,
         static=lambda table, grid, where: Static(where, (_load(table, grid, where),), weighs=True),
         gentle=True,

@@ -20,7 +20,7 @@ import numpy as np
 
 from loads.motion import DirectionKey, FromFile, LoadAction, LoadKind, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from loads.signal.intensity import reached
 from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
@@ -85,12 +85,12 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> LoadAction:
     )
 
 
-def sample(history: History, since: np.ndarray) -> np.ndarray:
+def sample(history: GroundHistory, since: np.ndarray) -> np.ndarray:
     """Velocity (m,) at times since the start of a record: zero before, fading to zero over FADE after its end [m/s]."""
     return history.velocity_at(since) * (1.0 - smooth_step((since - history.duration) / FADE))
 
 
-def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> list[str]:
+def _warnings(table: RecordTable, grid: RunGrid, where: str, after: GroundHistory) -> list[str]:
     """List what the user may not expect of the motion."""
     lines: list[str] = []
     if table.correction == "none" and abs(after.velocity[-1]) > 1e-6 * np.abs(after.velocity).max():

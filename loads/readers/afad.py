@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from loads.readers.channels import pick
-from loads.readers.heading import Heading, columns
+from loads.readers.heading import RecordHeading, columns
 from loads.readers.quantity import of_format
 from loads.readers.source import RawRecord, Reader, Request, Source, begins
 
@@ -20,7 +20,7 @@ TITLES = re.compile(r"\s*N-?S\s+E-?W\s+U-?D\s*$", re.IGNORECASE)
 
 def read(source: Source, request: Request) -> RawRecord:
     """Read one component."""
-    heading = Heading.split(source, "AFAD", HEADING)
+    heading = RecordHeading.split(source, "AFAD", HEADING)
     step = heading.positive("SAMPLING INTERVAL")
     titles = next((i for i, line in enumerate(source.lines[:HEADING]) if TITLES.match(line)), None)
     if titles is None:

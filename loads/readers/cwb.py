@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 
 from loads.readers.channels import evenly, pick
-from loads.readers.heading import Heading, columns
+from loads.readers.heading import RecordHeading, columns
 from loads.readers.quantity import of_format
 from loads.readers.source import RawRecord, Reader, Request, Source
 
@@ -17,12 +17,12 @@ ALIKE = 1e-3  # of the step: rate and times agree so far
 
 def recognises(source: Source) -> bool:
     """True when the heading of Taiwan's weather bureau gives rate and sequence of the columns."""
-    return Heading.split(source, "CWB", HEADING).has(SEQUENCE, RATE)
+    return RecordHeading.split(source, "CWB", HEADING).has(SEQUENCE, RATE)
 
 
 def read(source: Source, request: Request) -> RawRecord:
     """Read one component."""
-    heading = Heading.split(source, "CWB", HEADING)
+    heading = RecordHeading.split(source, "CWB", HEADING)
     titles = [re.sub(r"\([^)]*\)", "", word).strip() for word in re.split(r"[;\s]+", heading.find(SEQUENCE)[1]) if word.strip()]
     column = pick(titles[1:], request.column, source.error)
     rate, unit = heading.positive(RATE), heading.find("#AMPLITUDEUNIT")[1].split()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.heading import Heading
+from loads.readers.heading import RecordHeading
 from loads.readers.quantity import Stated, named, of_channel
 from loads.readers.source import RawRecord, Reader, Request, Source
 
@@ -36,7 +36,7 @@ def read(source: Source, request: Request) -> RawRecord:
     return RawRecord(values, step, 0.0, unit or None, heading.text("STREAM") or heading.text("COMPONENT"), stated=stated)
 
 
-def _stated(heading: Heading) -> Stated | None:
+def _stated(heading: RecordHeading) -> Stated | None:
     """Return the quantity of the record by the line DATA_TYPE, or by the channel where there is none."""
     line, text = heading.entries.get("DATA_TYPE", (0, ""))
     if not text:
@@ -46,10 +46,10 @@ def _stated(heading: Heading) -> Stated | None:
     raise heading.source.error(f"a record of {text.lower()}, where one of acceleration is needed", line)
 
 
-def _heading(source: Source) -> tuple[Heading, int]:
+def _heading(source: Source) -> tuple[RecordHeading, int]:
     """The lines up to the first that is none of it, and its index."""
     first = next((k for k, line in enumerate(source.lines[:HEADING]) if not KEY.match(line)), min(HEADING, len(source.lines)))
-    return Heading.split(source, "ESM", first), first
+    return RecordHeading.split(source, "ESM", first), first
 
 
 ABOUT = "DYNA 1.0 to 1.2, ITACA 1 and 2, one component"

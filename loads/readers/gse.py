@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from loads.readers.pieces import Piece, joined, of_channel_asked
+from loads.readers.pieces import ChannelPiece, joined, of_channel_asked
 from loads.readers.source import RawRecord, Reader, Request, Source, begins
 
 HEAD, DATA, CHECK = "WID2 ", "DAT2", "CHK2 "  # in compressed data, which have no blanks, a line may begin with CHK2
@@ -39,7 +39,7 @@ def read(source: Source, request: Request) -> RawRecord:
     return joined(channel, source.error, request.calibration)
 
 
-def _piece(source: Source, head: int) -> Piece:
+def _piece(source: Source, head: int) -> ChannelPiece:
     """The piece of a channel behind a line WID2."""
     line = source.lines[head].ljust(70)
     count, rate = source.whole(line[48:56], head, "the number of samples"), source.positive(line[57:68], head, "the sampling rate")
@@ -65,7 +65,7 @@ def _piece(source: Source, head: int) -> Piece:
     wanted, own = source.number(source.lines[end][len(CHECK) :], end), _checksum(values)
     if own != abs(wanted):
         raise source.error(f"the samples have the checksum {own}, not {wanted:.10g}: damaged", end)
-    return Piece(f".{line[29:34].strip()}..{line[35:38].strip()}", begin, 1.0 / rate, values, counts=True)
+    return ChannelPiece(f".{line[29:34].strip()}..{line[35:38].strip()}", begin, 1.0 / rate, values, counts=True)
 
 
 def _decompressed(source: Source, first: int, end: int) -> np.ndarray:

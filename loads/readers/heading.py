@@ -12,7 +12,7 @@ from loads.readers.fields import is_number
 from loads.readers.source import Source
 
 
-class Heading(NamedTuple):
+class RecordHeading(NamedTuple):
     """The keys of a heading, each with the index of its line and its value."""
 
     source: Source
@@ -20,7 +20,7 @@ class Heading(NamedTuple):
     entries: dict[str, tuple[int, str]]
 
     @classmethod
-    def split(cls, source: Source, kind: str, lines: int, separator: str = ":") -> Heading:
+    def split(cls, source: Source, kind: str, lines: int, separator: str = ":") -> RecordHeading:
         """Split the first lines that have a separator; keys in capitals."""
         found: dict[str, tuple[int, str]] = {}
         for index, line in enumerate(source.lines[:lines]):

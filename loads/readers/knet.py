@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.heading import Heading
+from loads.readers.heading import RecordHeading
 from loads.readers.source import RawRecord, Reader, Request, Source
 
 LAST = "Memo"  # the heading's last line begins so
@@ -51,7 +51,7 @@ def _scale(source: Source, line: int, text: str) -> tuple[float, str]:
     return size / counts, match[2]
 
 
-def _heading(source: Source) -> Heading:
+def _heading(source: Source) -> RecordHeading:
     """The first lines up to the last of the heading. Keys take the first eighteen characters of a line."""
     found: dict[str, tuple[int, str]] = {}
     for index, line in enumerate(source.lines[:HEADING]):
@@ -59,7 +59,7 @@ def _heading(source: Source) -> Heading:
         found.setdefault(key, (index, line[18:].strip()))
         if key == LAST:
             break
-    return Heading(source, "K-NET", found)
+    return RecordHeading(source, "K-NET", found)
 
 
 FORMATS = {"knet": Reader(recognises, read, about="K-NET and KiK-net text, one component", by="NIED, Japan", takes=())}

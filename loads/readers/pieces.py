@@ -27,7 +27,7 @@ STEPS = {"differentiate": 1, "integrate": -1}
 Error = Callable[[str], InputError]
 
 
-class Piece(NamedTuple):
+class ChannelPiece(NamedTuple):
     """Samples of a channel at even times."""
 
     name: str  # of the channel, whole: "IV.AQK..HNE"
@@ -39,7 +39,7 @@ class Piece(NamedTuple):
     unit: str | None = None  # as it is written next to them
 
 
-def of_traces(traces: Sequence[Any], error: Error) -> list[Piece]:
+def of_traces(traces: Sequence[Any], error: Error) -> list[ChannelPiece]:
     """Pieces of traces of obspy, or of anything that has ``data`` and ``stats`` with ``delta`` as these do.
 
     Raises:
@@ -49,7 +49,7 @@ def of_traces(traces: Sequence[Any], error: Error) -> list[Piece]:
     return [_of_trace(trace, float(start - starts[0]), error) for trace, start in zip(traces, starts, strict=True)]
 
 
-def _of_trace(trace: Any, begin: float, error: Error) -> Piece:
+def _of_trace(trace: Any, begin: float, error: Error) -> ChannelPiece:
     stats = trace.stats
     name = str(getattr(trace, "id", "") or getattr(stats, "channel", "")) or "a trace"
     if np.ma.isMaskedArray(trace.data) and np.ma.getmaskarray(trace.data).any():
@@ -58,10 +58,10 @@ def _of_trace(trace: Any, begin: float, error: Error) -> Piece:
     if data.ndim != 1 or data.dtype.kind not in "iuf":
         raise error(f"{name}: a row of real numbers is needed, got {data.dtype.name} of shape {data.shape}")
     done = tuple(map(str, getattr(stats, "processing", ()) or ()))
-    return Piece(name, begin, float(stats.delta), data.astype(float), data.dtype.kind in "iu", done)
+    return ChannelPiece(name, begin, float(stats.delta), data.astype(float), data.dtype.kind in "iu", done)
 
 
-def of_channel_asked(pieces: Sequence[Piece], column: str | int | None, error: Error) -> list[Piece]:
+def of_channel_asked(pieces: Sequence[ChannelPiece], column: str | int | None, error: Error) -> list[ChannelPiece]:
     """The pieces of the channel that the user asks for, in order of time.
 
     Raises:
@@ -72,7 +72,7 @@ def of_channel_asked(pieces: Sequence[Piece], column: str | int | None, error: E
     return sorted((piece for piece in pieces if piece.name == name), key=lambda piece: piece.begin)
 
 
-def joined(pieces: Sequence[Piece], error: Error, calibration: float | None = None) -> RawRecord:
+def joined(pieces: Sequence[ChannelPiece], error: Error, calibration: float | None = None) -> RawRecord:
     """The pieces of one channel as one series, times a calibration.
 
     Raises:

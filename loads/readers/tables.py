@@ -32,7 +32,7 @@ PADDED = re.compile(r"[+-]?\d+,0\d+")  # 0,05: no second column is written so
 
 
 @dataclass(frozen=True)
-class Layout:
+class ColumnLayout:
     """How the table is to be read."""
 
     delimiter: str | None  # None: blanks
@@ -132,7 +132,7 @@ def _asked_step(asked: float | None, times: np.ndarray) -> tuple[float, tuple[st
     return asked, (f"time_step {asked:g} s, as the scene says; the times of the file are {mean:.4g} s apart in the mean",)
 
 
-def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
+def _stated(source: Source, layout: ColumnLayout, column: int) -> Stated | None:
     """Return the quantity of the column by its heading, or else by the comments."""
     heading = layout.headings[column] if layout.headings else ""
     if quantity := named(heading):
@@ -201,7 +201,7 @@ def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], lis
     return rows, places, text
 
 
-def _table(source: Source, layout: Layout) -> np.ndarray:
+def _table(source: Source, layout: ColumnLayout) -> np.ndarray:
     """All numbers of a table (n, w), nan where a field is none; none where a line above the last is of another width."""
     every = _fields(source, layout.delimiter, layout.first)
     rows = [[finite_number(field) or 0.0 if is_number(field) else np.nan for field in fields] for _, fields in every]
@@ -211,7 +211,7 @@ def _table(source: Source, layout: Layout) -> np.ndarray:
     return table[:, :-1] if np.isnan(table[:, -1]).all() else table  # each line ends with a delimiter
 
 
-def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: list[int], request: Request) -> None:
+def _refuse_two_ways(source: Source, layout: ColumnLayout, table: np.ndarray, times: list[int], request: Request) -> None:
     """Raise where a table could be read in two ways and the user has not said which."""
     if request.layout is not None:
         return
@@ -237,7 +237,7 @@ def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: l
         )
 
 
-def _layout(source: Source, delimiter: str | None) -> Layout:
+def _layout(source: Source, delimiter: str | None) -> ColumnLayout:
     """Find the heading, the first line of numbers and the number of columns."""
     content = [line for _, line in zip(range(PREAMBLE), source.content(), strict=False)]
     if not content:
@@ -255,8 +255,8 @@ def _layout(source: Source, delimiter: str | None) -> Layout:
     if not any(numbers):
         if len(content) < 2:
             raise source.error("no line of numbers below the heading")
-        return Layout(delimiter, content[1][0], tuple(fields), width, text)
-    return Layout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields), text)
+        return ColumnLayout(delimiter, content[1][0], tuple(fields), width, text)
+    return ColumnLayout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields), text)
 
 
 def _lines_above(content: list[tuple[int, str]], delimiter: str | None) -> int:
@@ -279,7 +279,7 @@ def _heading_in_comment(source: Source, first: int, delimiter: str | None, width
     return ()
 
 
-def _time_columns(source: Source, layout: Layout, request: Request) -> list[int]:
+def _time_columns(source: Source, layout: ColumnLayout, request: Request) -> list[int]:
     """The columns of times; none when the step is given by key."""
     headed = [c for c, heading in enumerate(layout.headings) if _names_time(heading)]
     table = _table(source, layout) if layout.width > 1 and (not headed or len(headed) > 1) else np.empty((0, layout.width))
@@ -295,7 +295,7 @@ def _time_columns(source: Source, layout: Layout, request: Request) -> list[int]
     return [0, *(c for c in even if c > 0)] if len(even) < layout.width else [0]
 
 
-def _step_above(source: Source, layout: Layout) -> float:
+def _step_above(source: Source, layout: ColumnLayout) -> float:
     """The step that the lines above the headings give [s].
 
     Raises:
@@ -309,13 +309,13 @@ def _step_above(source: Source, layout: Layout) -> float:
     return steps[0]
 
 
-def _unit_above(layout: Layout) -> str | None:
+def _unit_above(layout: ColumnLayout) -> str | None:
     """The one unit that the lines above the headings declare."""
     units = {unit for line in layout.above if layout.headings and (unit := declared_unit(line))}
     return units.pop() if len(units) == 1 else None
 
 
-def _value_column(source: Source, layout: Layout, times: list[int], request: Request) -> int:
+def _value_column(source: Source, layout: ColumnLayout, times: list[int], request: Request) -> int:
     """Index of the column that the user asks for."""
     choices = [c for c in range(layout.width) if c not in times]
     named = [layout.headings[c].strip() if layout.headings else str(c) for c in choices]
@@ -349,7 +349,7 @@ def _quantity(heading: str) -> str:
     return named(heading) or (by_unit[0] if by_unit else "")
 
 
-def _time_factor(source: Source, layout: Layout, time: int) -> float:
+def _time_factor(source: Source, layout: ColumnLayout, time: int) -> float:
     """Seconds in the unit of the time column."""
     if not layout.headings:
         return 1.0

@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from loads.readers.pieces import Piece, joined, of_channel_asked
+from loads.readers.pieces import ChannelPiece, joined, of_channel_asked
 from loads.readers.source import RawRecord, Reader, Request, Source
 from loads.readers.units import measured_by
 
@@ -49,7 +49,7 @@ def read(source: Source, request: Request) -> RawRecord:
     return joined(channel, source.error, request.calibration)
 
 
-def _piece(source: Source, head: int, after: int) -> Piece:
+def _piece(source: Source, head: int, after: int) -> ChannelPiece:
     """The piece of a channel between two lines."""
     found = LINE.match(source.lines[head].strip()[:LONGEST])
     if found is None:
@@ -70,7 +70,7 @@ def _piece(source: Source, head: int, after: int) -> Piece:
     unit = found["unit"] or None
     physical = unit is not None and measured_by(unit) is not None
     counts = bool(unit and unit.upper().startswith("COUNT")) or (not physical and found["type"].upper() == "INTEGER")
-    return Piece(_name(found["name"]), begin, 1.0 / rate, values, counts, unit=None if counts else unit)
+    return ChannelPiece(_name(found["name"]), begin, 1.0 / rate, values, counts, unit=None if counts else unit)
 
 
 def _name(written: str) -> str:

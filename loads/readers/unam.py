@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 
 from loads.readers.channels import component, pick
-from loads.readers.heading import Heading, columns, first_of_numbers
+from loads.readers.heading import RecordHeading, columns, first_of_numbers
 from loads.readers.quantity import of_format
 from loads.readers.source import RawRecord, Reader, Request, Source, begins
 
@@ -17,7 +17,7 @@ RULE = re.compile(r"^[-+]{20,}\s*$")  # above and below the names of the columns
 
 def read(source: Source, request: Request) -> RawRecord:
     """Read one component."""
-    heading = Heading.split(source, "UNAM", HEADING)
+    heading = RecordHeading.split(source, "UNAM", HEADING)
     rules = [index for index, line in enumerate(source.lines[:HEADING]) if RULE.match(line.strip())]
     if len(rules) < 2 or rules[-1] - rules[-2] < 2:
         raise source.error("no ruled names of columns above the numbers of a UNAM file")

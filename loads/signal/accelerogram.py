@@ -20,7 +20,7 @@ from pydantic import BaseModel, BeforeValidator, Field, model_validator
 from loads.motion import STANDARD_GRAVITY, Positive, describe, strict
 from loads.readers import FormatName, RawRecord, Request, Source, read
 from loads.readers.units import acceleration_unit, measured_by
-from loads.signal.baseline import ORDERS, History, correct, integrate
+from loads.signal.baseline import ORDERS, GroundHistory, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
@@ -111,8 +111,8 @@ class Accelerogram(BaseModel):
 class Processed:
     """An accelerogram before and after, both from rest."""
 
-    before: History  # the window as it was read
-    after: History
+    before: GroundHistory  # the window as it was read
+    after: GroundHistory
     begin: float  # time of the first sample, in the record's own time [s]
     format: str
     column: str
@@ -125,7 +125,7 @@ class Processed:
         return replace(self, before=self.before.scaled(factor), after=self.after.scaled(factor))
 
     @cached_property
-    def about_mean(self) -> History:
+    def about_mean(self) -> GroundHistory:
         """The window as it was read, without its mean: instruments and digitisers have an offset, which is no motion."""
         values = self.before.acceleration
         return integrate(values - values.mean(), self.before.step)

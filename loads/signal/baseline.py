@@ -34,7 +34,7 @@ ORDERS = {"none": 0, "linear": 1, "quadratic": 2, "cubic": 3}
 
 
 @dataclass(frozen=True, eq=False)
-class History:
+class GroundHistory:
     """Acceleration, straight between n samples every h seconds, and its exact integrals from rest at the first sample."""
 
     step: float  # h [s]
@@ -47,9 +47,9 @@ class History:
         """Time from the first to the last sample [s]."""
         return self.step * (len(self.acceleration) - 1)
 
-    def scaled(self, factor: float) -> History:
+    def scaled(self, factor: float) -> GroundHistory:
         """The motion times a factor."""
-        return History(self.step, factor * self.acceleration, factor * self.velocity, factor * self.displacement)
+        return GroundHistory(self.step, factor * self.acceleration, factor * self.velocity, factor * self.displacement)
 
     def velocity_at(self, since: np.ndarray) -> np.ndarray:
         """Velocity at any times since the first sample (m,), exact, zero before and the last value after [m/s]."""
@@ -70,7 +70,7 @@ class History:
         }
 
 
-def integrate(acceleration: np.ndarray, step: float) -> History:
+def integrate(acceleration: np.ndarray, step: float) -> GroundHistory:
     """Integrate an acceleration (n,) that is straight between its samples, from rest.
 
     Args:
@@ -80,10 +80,10 @@ def integrate(acceleration: np.ndarray, step: float) -> History:
     a, b = acceleration[:-1], acceleration[1:]
     velocity = np.concatenate([[0.0], np.cumsum(0.5 * step * (a + b))])
     displacement = np.concatenate([[0.0], np.cumsum(step * velocity[:-1] + step * step / 6.0 * (2.0 * a + b))])
-    return History(step, acceleration, velocity, displacement)
+    return GroundHistory(step, acceleration, velocity, displacement)
 
 
-def correct(raw: History, order: int) -> History:
+def correct(raw: GroundHistory, order: int) -> GroundHistory:
     """Take a polynomial of the given order from the acceleration so that velocity and displacement end at zero.
 
     Args:

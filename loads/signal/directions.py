@@ -20,7 +20,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator
 
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from masonry_cd.foundation.errors import InputError, suggest
 
 ANGLES = np.radians(np.arange(180.0))
@@ -42,11 +42,11 @@ def _known(value: str) -> str:
 
 Rule = Annotated[str, AfterValidator(_known)]
 
-Components = Mapping[str, History]
+Components = Mapping[str, GroundHistory]
 """The components of a motion by their axes, "x", "y", "z"."""
 
 
-def component(motion: Components, axis: str, what: str) -> History:
+def component(motion: Components, axis: str, what: str) -> GroundHistory:
     """The component along an axis.
 
     Raises:
@@ -57,7 +57,7 @@ def component(motion: Components, axis: str, what: str) -> History:
     return motion[axis]
 
 
-def horizontal(motion: Components, what: str) -> tuple[History, History]:
+def horizontal(motion: Components, what: str) -> tuple[GroundHistory, GroundHistory]:
     """The components x and y, alike in time step and length.
 
     Raises:
@@ -70,10 +70,10 @@ def horizontal(motion: Components, what: str) -> tuple[History, History]:
     return x, y
 
 
-def rotated(x: History, y: History, angle: float) -> History:
+def rotated(x: GroundHistory, y: GroundHistory, angle: float) -> GroundHistory:
     """The motion along a direction of the horizontal plane, ``angle`` [rad] from x towards y."""
     c, s = math.cos(angle), math.sin(angle)
-    return History(
+    return GroundHistory(
         x.step,
         c * x.acceleration + s * y.acceleration,
         c * x.velocity + s * y.velocity,

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from loads.signal.response import Oscillators
 
 ALPHA = 0.7
@@ -31,7 +31,7 @@ PULSES = 3
 ALIKE = 1e-9  # samples: a window that ends so close to one ends at it
 
 
-def fiv3(history: History, period: float, alpha: float = ALPHA, beta: float = BETA) -> float:
+def fiv3(history: GroundHistory, period: float, alpha: float = ALPHA, beta: float = BETA) -> float:
     """FIV3 of an accelerogram [m/s]; 0 where it is shorter than a window.
 
     Args:
@@ -44,7 +44,7 @@ def fiv3(history: History, period: float, alpha: float = ALPHA, beta: float = BE
     return max(_three_largest(gains), _three_largest(-gains))
 
 
-def incremental_velocity(history: History, period: float, alpha: float = ALPHA, beta: float = BETA) -> np.ndarray:
+def incremental_velocity(history: GroundHistory, period: float, alpha: float = ALPHA, beta: float = BETA) -> np.ndarray:
     """V at the samples at which a whole window begins, (m,) [m/s]; empty where the record is shorter than a window."""
     omega = 2.0 * np.pi * beta / period
     x, v = Oscillators(np.array([period / beta]), history.step, math.sqrt(0.5)).history(history.acceleration)

@@ -17,17 +17,17 @@ import numpy as np
 
 from loads.acted import Acted, share_of
 from loads.motion import STANDARD_GRAVITY
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 
 
-def arias(history: History) -> np.ndarray:
+def arias(history: GroundHistory) -> np.ndarray:
     """The build-up of the Arias intensity at the samples, (n,) [m/s]."""
     a, b = history.acceleration[:-1], history.acceleration[1:]
     steps = history.step / 3.0 * (a * a + a * b + b * b)
     return np.pi / (2.0 * STANDARD_GRAVITY) * np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def reached(where: str, histories: Sequence[tuple[float, History]]) -> Acted:
+def reached(where: str, histories: Sequence[tuple[float, GroundHistory]]) -> Acted:
     """How much of accelerograms, which begin at a time each [s], has acted: by the Arias intensity of all of them together."""
     built = [(start + one.step * np.arange(len(one.acceleration)), arias(one)) for start, one in histories]
     total = sum(float(energy[-1]) for _, energy in built)
@@ -35,7 +35,7 @@ def reached(where: str, histories: Sequence[tuple[float, History]]) -> Acted:
     return Acted(where, "Arias intensity", end, lambda time: share_of(sum(float(np.interp(time, *one)) for one in built), total))
 
 
-def significant_window(history: History) -> tuple[float, float]:
+def significant_window(history: GroundHistory) -> tuple[float, float]:
     """When the Arias intensity passes 5 and 95 % of its end value, times since the first sample [s].
 
     Linear between samples. (0, 0) for a record that is zero throughout.
@@ -48,13 +48,13 @@ def significant_window(history: History) -> tuple[float, float]:
     return float(begin), float(end)
 
 
-def significant_duration(history: History) -> float:
+def significant_duration(history: GroundHistory) -> float:
     """D5-95, the time in which the Arias intensity grows from 5 to 95 % of its end value [s]."""
     begin, end = significant_window(history)
     return end - begin
 
 
-def cumulative_absolute_velocity(history: History) -> float:
+def cumulative_absolute_velocity(history: GroundHistory) -> float:
     """CAV, the integral of |a| over the whole record [m/s]."""
     a, b = history.acceleration[:-1], history.acceleration[1:]
     total = np.abs(a) + np.abs(b)
@@ -63,7 +63,7 @@ def cumulative_absolute_velocity(history: History) -> float:
     return float(np.cumsum(0.5 * history.step * np.where(crossing, share, total))[-1])
 
 
-def intensity(history: History) -> dict[str, float]:
+def intensity(history: GroundHistory) -> dict[str, float]:
     """Arias intensity [m/s], significant duration, 5 to 95 % [s], and cumulative absolute velocity [m/s]."""
     return {
         "arias": float(arias(history)[-1]),

@@ -23,7 +23,7 @@ from functools import partial
 
 import numpy as np
 
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from loads.signal.directions import ANGLES, AXES, PAIRS, ROTATED, RULES, Components, component, horizontal, rotated
 from loads.signal.incremental_velocity import ALPHA, BETA, fiv3
 from loads.signal.intensity import arias, cumulative_absolute_velocity, significant_duration
@@ -43,13 +43,13 @@ HOUSNER = np.linspace(0.1, 2.5, 49)  # [s]
 class Single:
     """One number of an accelerogram."""
 
-    function: Callable[[History], float]
+    function: Callable[[GroundHistory], float]
 
-    def ordinates(self, history: History) -> np.ndarray:
+    def ordinates(self, history: GroundHistory) -> np.ndarray:
         """(1,): the number."""
         return np.array([self.function(history)])
 
-    def around(self, x: History, y: History) -> np.ndarray:
+    def around(self, x: GroundHistory, y: GroundHistory) -> np.ndarray:
         """(1, angles): that of each direction."""
         return np.array([[self.function(rotated(x, y, angle)) for angle in ANGLES]])
 
@@ -66,11 +66,11 @@ class Spectral:
     damping: float
     combine: Callable[[np.ndarray], float]
 
-    def ordinates(self, history: History) -> np.ndarray:
+    def ordinates(self, history: GroundHistory) -> np.ndarray:
         """Sa, (k,) [m/s2]."""
         return response_spectrum(history.acceleration, history.step, self.periods, self.damping).acceleration
 
-    def around(self, x: History, y: History) -> np.ndarray:
+    def around(self, x: GroundHistory, y: GroundHistory) -> np.ndarray:
         """Sa in each direction, (k, angles) [m/s2]: the two responses are rotated, which is the response to the rotated motion."""
         out = np.zeros((len(self.periods), len(ANGLES)))
         moving = self.periods > 0.0
@@ -121,15 +121,15 @@ class Measure:
             raise InputError(self.name, f"it is {value:g} for this motion, which no factor scales to {level:g} {self.unit}")
         return level / value if self.order == 1 else math.sqrt(level / value)
 
-    def _of(self, history: History) -> float:
+    def _of(self, history: GroundHistory) -> float:
         return self.quantity.combined(self.quantity.ordinates(history))
 
 
-def _peak(history: History, of: str) -> float:
+def _peak(history: GroundHistory, of: str) -> float:
     return float(np.abs(getattr(history, of)).max())
 
 
-def _arias(history: History) -> float:
+def _arias(history: GroundHistory) -> float:
     return float(arias(history)[-1])
 
 
@@ -180,7 +180,7 @@ def _check(holds: bool, otherwise: str) -> None:
 
 
 @dataclass(frozen=True)
-class Family:
+class MeasureFamily:
     """Measures of one name, which differ by numbers in brackets."""
 
     unit: str
@@ -199,16 +199,16 @@ class Family:
 
 
 FAMILIES = {
-    "PGA": Family("m/s2", 1, lambda: Single(partial(_peak, of="acceleration"))),
-    "PGV": Family("m/s", 1, lambda: Single(partial(_peak, of="velocity"))),
-    "PGD": Family("m", 1, lambda: Single(partial(_peak, of="displacement"))),
-    "Arias": Family("m/s", 2, lambda: Single(_arias)),
-    "CAV": Family("m/s", 1, lambda: Single(cumulative_absolute_velocity)),
-    "D5-95": Family("s", 0, lambda: Single(significant_duration)),
-    "Sa": Family("m/s2", 1, _sa, ("T", "damping"), 1),
-    "AvgSA": Family("m/s2", 1, _average, ("from", "to", "count", "damping"), 2),
-    "Housner": Family("m", 1, _housner, ("damping",)),
-    "FIV3": Family("m/s", 1, _fiv3, ("T", "alpha", "beta"), 1),
+    "PGA": MeasureFamily("m/s2", 1, lambda: Single(partial(_peak, of="acceleration"))),
+    "PGV": MeasureFamily("m/s", 1, lambda: Single(partial(_peak, of="velocity"))),
+    "PGD": MeasureFamily("m", 1, lambda: Single(partial(_peak, of="displacement"))),
+    "Arias": MeasureFamily("m/s", 2, lambda: Single(_arias)),
+    "CAV": MeasureFamily("m/s", 1, lambda: Single(cumulative_absolute_velocity)),
+    "D5-95": MeasureFamily("s", 0, lambda: Single(significant_duration)),
+    "Sa": MeasureFamily("m/s2", 1, _sa, ("T", "damping"), 1),
+    "AvgSA": MeasureFamily("m/s2", 1, _average, ("from", "to", "count", "damping"), 2),
+    "Housner": MeasureFamily("m", 1, _housner, ("damping",)),
+    "FIV3": MeasureFamily("m/s", 1, _fiv3, ("T", "alpha", "beta"), 1),
 }
 WRITTEN = re.compile(r"\s*(?P<name>[^():]*?)\s*(?:\((?P<numbers>[^()]*)\))?\s*(?::\s*(?P<rule>.*?))?\s*")
 

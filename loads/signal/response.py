@@ -28,7 +28,7 @@ TERMS = 14  # of the exponential: (2 pi / 40)^14 / 14! is 7e-23
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class ResponseSpectrum:
     """Response spectra over n periods for one damping ratio. Period zero: a rigid oscillator, which moves with the base."""
 
     period: np.ndarray  # (n,) [s]
@@ -45,7 +45,9 @@ class Spectrum:
         return out
 
 
-def response_spectrum(acceleration: np.ndarray, step: float, periods: Sequence[float] | np.ndarray, damping: float = 0.05) -> Spectrum:
+def response_spectrum(
+    acceleration: np.ndarray, step: float, periods: Sequence[float] | np.ndarray, damping: float = 0.05
+) -> ResponseSpectrum:
     """The response spectrum of samples.
 
     The oscillators start at rest; their free vibration after the last sample is not followed (append zeros to see it).
@@ -69,7 +71,7 @@ def response_spectrum(acceleration: np.ndarray, step: float, periods: Sequence[f
     displacement, pseudo = np.zeros_like(period), np.full_like(period, np.abs(a).max())
     displacement[moving] = Oscillators(period[moving], step, damping).peaks(a)
     pseudo[moving] = (2.0 * np.pi / period[moving]) ** 2 * displacement[moving]
-    return Spectrum(period, damping, displacement, pseudo)
+    return ResponseSpectrum(period, damping, displacement, pseudo)
 
 
 class Oscillators:

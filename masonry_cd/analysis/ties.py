@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_tables import Tie
+from masonry_cd.io.summary_tables import TieTension
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.mechanics.model.fill import BARS
 
@@ -46,12 +46,12 @@ class TieHistory:
         """Tension in the last step up to a time [N]; before the first step that of the first."""
         return float(self.total[max(0, int(np.searchsorted(self.time, time * (1.0 + 1e-12), side="right")) - 1)])
 
-    def row(self) -> Tie:
+    def row(self) -> TieTension:
         """Its row of ties.csv and of the summary."""
         worst, yields = int(np.argmax(self.total)), np.flatnonzero(self.yielding)
         limit = float(sum(bar.limit for bar in self.bars))
         ends = max(self.bars, key=lambda bar: bar.section).points
-        return Tie(
+        return TieTension(
             name=self.label,
             blocks=self.blocks,
             bars=len(self.bars),

@@ -24,14 +24,16 @@ FAR = 50.0  # times that displacement: beyond it blocks fall, and what they hit 
 
 
 @dataclass(frozen=True)
-class Carried:
+class CarriedFactor:
     """The largest factor that was carried."""
 
     factor: float
     frame: int  # at the end of its slope
 
 
-def largest_carried(displacement: np.ndarray, work: np.ndarray, factor: np.ndarray, kinetic: np.ndarray, moved: float) -> Carried | None:
+def largest_carried(
+    displacement: np.ndarray, work: np.ndarray, factor: np.ndarray, kinetic: np.ndarray, moved: float
+) -> CarriedFactor | None:
     """The largest factor that a structure carried before it gave way, None where it still carries what is applied.
 
     Args:
@@ -56,7 +58,7 @@ def largest_carried(displacement: np.ndarray, work: np.ndarray, factor: np.ndarr
         return None
     borne = np.minimum(carried, applied)  # a structure that swings back bears no more than is applied
     best = int(np.argmax(borne))
-    return Carried(float(borne[best]), int(marks[best + 1]))
+    return CarriedFactor(float(borne[best]), int(marks[best + 1]))
 
 
 def _marks(displacement: np.ndarray, way: float, far: float) -> np.ndarray:

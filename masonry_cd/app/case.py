@@ -29,7 +29,7 @@ from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
-from masonry_cd.mechanics.dynamics.system import Loads
+from masonry_cd.mechanics.dynamics.system import RunLoads
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joint_laws import refuse_in_a_run
 from masonry_cd.mechanics.model.joint_laws.restitution import WARNING as RESTITUTION
@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from loads.motion import LoadAction
     from masonry_cd.app.events import EventTable
     from masonry_cd.mechanics.model.fill import Fill
-    from structures import Made
-    from structures.ties import Bar
+    from structures import MadeStructure
+    from structures.ties import PlacedBar
 
 REPORTED = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
@@ -88,12 +88,12 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
+class BuiltStructure:
     """Blocks, joints and links: all that ``[structure]``, ``[material]`` and ``[[links]]`` decide, shared by runs whose loads differ."""
 
     blocks: list[Block]
     notes: tuple[str, ...]  # on what was changed in making them
-    bars: Sequence[Bar]  # ties
+    bars: Sequence[PlacedBar]  # ties
     assembly: Assembly
     fills: Sequence[Fill] = ()  # of bridges
 
@@ -130,7 +130,7 @@ class Structure:
         return odd_size(self.blocks)
 
 
-def structure_of(scene: Scene) -> Structure:
+def structure_of(scene: Scene) -> BuiltStructure:
     """Build the structure of a scene.
 
     Raises:
@@ -140,7 +140,7 @@ def structure_of(scene: Scene) -> Structure:
     return replace(assembled(scene, made.blocks, tuple(made.notes), made.ties), fills=made.fills)
 
 
-def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: Sequence[Bar]) -> Structure:
+def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: Sequence[PlacedBar]) -> BuiltStructure:
     """Blocks with the material of a scene, lines on what was changed in making them, and ties.
 
     Raises:
@@ -148,10 +148,10 @@ def assembled(scene: Scene, blocks: list[Block], notes: tuple[str, ...], bars: S
     """
     with scene.locating():
         assembly = Assembly.from_blocks(blocks, scene.material)
-        return Structure(blocks, notes, bars, replace(assembly, links=links_of(scene.links, assembly)))
+        return BuiltStructure(blocks, notes, bars, replace(assembly, links=links_of(scene.links, assembly)))
 
 
-def on_ground(scene: Scene, structure: Structure) -> Structure:
+def on_ground(scene: Scene, structure: BuiltStructure) -> BuiltStructure:
     """A structure whose supports stand on the ground of its scene.
 
     Raises:
@@ -170,7 +170,7 @@ def on_ground(scene: Scene, structure: Structure) -> Structure:
         return replace(whole, assembly=founded(whole.assembly, made), fills=structure.fills)
 
 
-def make_structures(scene: Scene) -> Made:
+def make_structures(scene: Scene) -> MadeStructure:
     """Make the structures of a scene, with its stones in pieces where they crack.
 
     Raises:
@@ -211,7 +211,7 @@ def _doubted(scene: Scene) -> Iterator[None]:
         raise InputError.of([*error.faults, *(Fault("", line) for line in doubts)]) from None
 
 
-def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[LoadAction] = ()) -> Case:
+def prepare(scene: Scene, structure: BuiltStructure | None = None, own: Sequence[LoadAction] = ()) -> Case:
     """Build and check all that a run needs.
 
     Args:
@@ -287,11 +287,11 @@ def prepare(scene: Scene, structure: Structure | None = None, own: Sequence[Load
         gauges = gauges_of(scene.output, assembly, joints)._replace(guides=_guides(loading, assembly))
         refuse_turning(gauges, assembly, loading.support_velocity, scene.run.dt, joints)
         if events:
-            from masonry_cd.app.changes import Model
+            from masonry_cd.app.changes import ChangeableModel
             from masonry_cd.app.events import check_events
 
-            acting = Loads(loading.support_velocity, loading.acceleration, loading.forces)
-            first = Model.of(assembly, acting, scene.tables["material"], scene.run.gravity)
+            acting = RunLoads(loading.support_velocity, loading.acceleration, loading.forces)
+            first = ChangeableModel.of(assembly, acting, scene.tables["material"], scene.run.gravity)
             notes = (*notes, *check_events(events, first, scene.run, gauges, joints))
     steps, seconds = len(loading.acceleration) - 1, time.perf_counter() - begin
     return Case(
@@ -323,7 +323,7 @@ def acting_too(case: Case, acted: Sequence[Acted]) -> Case:
 
 
 @contextmanager
-def _explained(scene: Scene, structure: Structure) -> Iterator[None]:
+def _explained(scene: Scene, structure: BuiltStructure) -> Iterator[None]:
     """Add to a time step that the body refuses the value that likely made it too long, where one is in another unit: a tie 30 m thick."""
     try:
         yield
@@ -344,7 +344,7 @@ def _guides(loading: Loading, assembly: Assembly) -> tuple[GuideGauge, ...]:
     )
 
 
-def _timed(scene: Scene, structure: Structure) -> tuple[Scene, list[str]]:
+def _timed(scene: Scene, structure: BuiltStructure) -> tuple[Scene, list[str]]:
     """The scene with a duration, and a line on it where it follows from the loads.
 
     Raises:

@@ -23,8 +23,8 @@ from masonry_cd.foundation.fields import Table, Vector
 from masonry_cd.foundation.quantities import counted, length
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
-from masonry_cd.mechanics.dynamics.stage import Stage, enter
-from masonry_cd.mechanics.dynamics.system import Loads
+from masonry_cd.mechanics.dynamics.stage import StepperStage, enter
+from masonry_cd.mechanics.dynamics.system import RunLoads
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.by_group import by_pair
 from masonry_cd.mechanics.model.joint_laws.friction import Friction
@@ -80,7 +80,7 @@ class Change(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ChangeableModel:
     """The parts of a run that changes act on."""
 
     assembly: Assembly
@@ -90,18 +90,18 @@ class Model:
     gravity: np.ndarray  # (3,) [m/s2]
 
     @classmethod
-    def of(cls, assembly: Assembly, loads: Loads, material: Mapping[str, Any], gravity: Sequence[float]) -> Model:
+    def of(cls, assembly: Assembly, loads: RunLoads, material: Mapping[str, Any], gravity: Sequence[float]) -> ChangeableModel:
         """Return the model of a run that has not begun."""
         there = {} if loads.forces is None else loads.forces.switches
         return cls(assembly, loads.acceleration, there, material, np.asarray(gravity, dtype=float))
 
-    def stage(self, loads: Loads) -> Stage:
+    def stage(self, loads: RunLoads) -> StepperStage:
         """The stage with what other loads do."""
         forces = loads.forces if loads.forces is None or loads.forces.switches == self.there else loads.forces.switched(self.there)
-        return Stage(self.assembly, replace(loads, acceleration=self.acceleration, forces=forces))
+        return StepperStage(self.assembly, replace(loads, acceleration=self.acceleration, forces=forces))
 
 
-def check(change: Change, model: Model, where: str, any_time: bool = False) -> None:
+def check(change: Change, model: ChangeableModel, where: str, any_time: bool = False) -> None:
     """Refuse a change that names what is not there, or would change nothing; ``any_time``: the model may be another when it comes.
 
     Raises:
@@ -115,7 +115,7 @@ def check(change: Change, model: Model, where: str, any_time: bool = False) -> N
         _refuse_idle(change, model, where)
 
 
-def _refuse_idle(change: Change, model: Model, where: str) -> None:
+def _refuse_idle(change: Change, model: ChangeableModel, where: str) -> None:
     """Refuse to take away what is not there, and to put in what is."""
     absent = np.zeros(model.assembly.count, dtype=bool) if model.assembly.absent is None else model.assembly.absent
     for key, names, gone in (("remove", change.remove, True), ("add", change.add, False)):
@@ -128,7 +128,7 @@ def _refuse_idle(change: Change, model: Model, where: str) -> None:
             raise InputError(f"{where}.{key}", f"{_quoted(names)} {'is there already' if there else NOT_THERE}")
 
 
-def changed(model: Model, change: Change, step: int, where: str) -> Model:
+def changed(model: ChangeableModel, change: Change, step: int, where: str) -> ChangeableModel:
     """The model after a change that is made at a step of the loads.
 
     Raises:
@@ -144,7 +144,7 @@ def changed(model: Model, change: Change, step: int, where: str) -> Model:
     if change.gravity is not None:
         gravity, pull = np.array(change.gravity), pull.copy()
         pull[step + 1 :] += gravity - model.gravity
-    return Model(assembly, pull, _switched(model.there, change, where), table, gravity)
+    return ChangeableModel(assembly, pull, _switched(model.there, change, where), table, gravity)
 
 
 def _quoted(names: Sequence[str] | None) -> str:
@@ -275,7 +275,7 @@ def waiting(assembly: Assembly, changes: Sequence[tuple[str, Change]]) -> tuple[
     return assembly, there
 
 
-def _require_room(stepper: Stepper, model: Model, where: str) -> None:
+def _require_room(stepper: Stepper, model: ChangeableModel, where: str) -> None:
     """Refuse blocks that would lie in others where they are put in.
 
     Raises:
@@ -311,10 +311,10 @@ def released(assembly: Assembly, changes: Sequence[Change]) -> Assembly:
 class Changes:
     """The changes of a run that a stepper makes, those made so far, and the model that they led to."""
 
-    base: Model  # before any of them
+    base: ChangeableModel  # before any of them
     known: list[tuple[Change, str]]  # and where it stands
     made: list[tuple[int, int]] = field(default_factory=list)  # which of the known ones, and at which step of the loads
-    model: Model = field(init=False)
+    model: ChangeableModel = field(init=False)
 
     def __post_init__(self) -> None:
         self.model = self._after(self.made)
@@ -322,7 +322,7 @@ class Changes:
     @classmethod
     def of(cls, stepper: Stepper, material: Mapping[str, Any], known: Sequence[tuple[Change, str]] = ()) -> Changes:
         """Return the changes of a stepper at the beginning of its run, with the table [material] of its scene."""
-        return cls(Model.of(stepper.assembly, stepper.system.loads, material, stepper.settings.gravity), list(known))
+        return cls(ChangeableModel.of(stepper.assembly, stepper.system.loads, material, stepper.settings.gravity), list(known))
 
     def make(self, number: int, stepper: Stepper) -> None:
         """Make a known change now.
@@ -366,7 +366,7 @@ class Changes:
         self.model = self._after(self.made)
         enter(stepper, self.model.stage(stepper.system.loads))
 
-    def _after(self, made: Sequence[tuple[int, int]]) -> Model:
+    def _after(self, made: Sequence[tuple[int, int]]) -> ChangeableModel:
         model = self.base
         for number, step in made:
             model = changed(model, self.known[number][0], step, self.known[number][1])

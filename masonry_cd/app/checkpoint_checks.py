@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 
 
-class Kept(NamedTuple):
+class KeptArrays(NamedTuple):
     """Sizes and names of the arrays that a run keeps besides its motion."""
 
     blocks: Sequence[Block]  # as results have them, whose drifts
@@ -38,7 +38,7 @@ class Kept(NamedTuple):
 
 
 def check_content(
-    arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, kept: Kept, events: Events | None = None
+    arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, kept: KeptArrays, events: Events | None = None
 ) -> None:
     """Check the content of a checkpoint, in whose stage the stepper is then.
 
@@ -86,7 +86,7 @@ def check_content(
         raise InputError("counts other steps than the results next to it hold", "it cannot be resumed")
 
 
-def _check_step_peaks(stored: Stored, kept: Kept) -> None:
+def _check_step_peaks(stored: Stored, kept: KeptArrays) -> None:
     """Check the largest drifts, displacements and hinges."""
     for name, shape in shapes(kept.blocks, kept.joints).items():
         values = stored.real(name, *shape, finite=name not in UNKNOWN)

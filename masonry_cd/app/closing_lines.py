@@ -13,7 +13,7 @@ from masonry_cd.analysis.stress.summary import stress_lines
 from masonry_cd.analysis.verdict import NOT_GRADED, Verdict
 from masonry_cd.foundation.quantities import counted, force, in_words, length, per_cent
 from masonry_cd.io.summary import Summary
-from masonry_cd.io.summary_tables import Energy, JointCounts, LimitBracket, LoadFactor, PartInShort, Shock, Solver, Tie
+from masonry_cd.io.summary_tables import Energy, JointCounts, LimitBracket, LoadFactor, PartInShort, ShockDamage, Solver, TieTension
 from masonry_cd.mechanics.dynamics.settings import Run
 
 REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
@@ -94,7 +94,7 @@ def _time_step_lines(s: Summary) -> list[str]:
     ]
 
 
-def _shock_line(shock: Shock) -> str:
+def _shock_line(shock: ShockDamage) -> str:
     when = f"{shock.start:.4g} to {shock.end:.4g} s, rest to {shock.rest_end:.4g} s"
     return f'after "{shock.name}" ({when}): joints: {_joints(shock)}; {shock.collapsed_blocks or "no"} blocks fell'
 
@@ -138,7 +138,7 @@ def _bracket_line(bracket: LimitBracket) -> str:
     return f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"
 
 
-def _tie_line(tie: Tie) -> str:
+def _tie_line(tie: TieTension) -> str:
     most = f"{force(tie.tension_max)} ({tie.stress_max / 1e6:.3g} MPa) at {tie.tension_max_time:.3g} s"
     first, second = tie.blocks
     named = f'tie "{first}" to "{second}"' if tie.name == f"{first} to {second}" else f'tie "{tie.name}" ("{first}" to "{second}")'

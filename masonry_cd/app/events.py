@@ -24,7 +24,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.app.changes import Change, Changes, Model, changed, check, in_words, released
+from masonry_cd.app.changes import Change, ChangeableModel, Changes, changed, check, in_words, released
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.measured_joints import MeasuredJoints
 from masonry_cd.app.pair_joints import PairJoints
@@ -116,7 +116,7 @@ def parse_events(tables: Sequence[Mapping[str, Any]]) -> tuple[EventTable, ...]:
     return tuple(of_each(lambda i: parse_table(EventTable, tables[i], f"events[{i}]"), range(len(tables))))
 
 
-def check_events(events: Sequence[EventTable], first: Model, settings: Run, gauges: Gauges, joints: Joints) -> list[str]:
+def check_events(events: Sequence[EventTable], first: ChangeableModel, settings: Run, gauges: Gauges, joints: Joints) -> list[str]:
     """A line on each event of a scene, whose model is the first before any of them.
 
     Those that come at a time are tried in their order, those with a condition on the model before any; where there is one of these, what
@@ -125,7 +125,7 @@ def check_events(events: Sequence[EventTable], first: Model, settings: Run, gaug
     Raises:
         InputError: events that name what is not there, would change nothing or come after the end; the faults of all of them together.
     """
-    models, model, unknown = dict[int, Model](), first, any(one.when is not None for one in events)
+    models, model, unknown = dict[int, ChangeableModel](), first, any(one.when is not None for one in events)
     for i in sorted((i for i, one in enumerate(events) if one.at is not None), key=lambda i: events[i].order):
         models[i] = model
         with suppress(InputError):  # said below

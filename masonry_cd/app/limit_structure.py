@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from masonry_cd.app.limit_table import LimitTable
     from masonry_cd.app.scene import Scene
     from masonry_cd.app.static_loads import StaticLoads
-    from structures import Made
+    from structures import MadeStructure
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class LimitStructure:
     """The structure of a scene."""
 
     scene: Scene
-    made: Made  # blocks, notes on them, and ties
+    made: MadeStructure  # blocks, notes on them, and ties
     asked: LimitTable
     assembly: Assembly
     joints: Joints

@@ -102,7 +102,7 @@ def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray
 def limit_bracket(case: Case) -> LimitBracket | None:
     """The least factor found, None where no start comes to an end, and the associated one, None where it is not finite, by limit analysis,
     where that takes seconds: of few blocks, under one push or tilt that limit analysis takes as it is; None elsewhere."""
-    from masonry_cd.analysis.limit.analysis import Options, analyse
+    from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
     from masonry_cd.analysis.limit.interfaces import interfaces
     from masonry_cd.analysis.limit.problem import plane_of
     from masonry_cd.app.limit_table import limit_table
@@ -122,7 +122,7 @@ def limit_bracket(case: Case) -> LimitBracket | None:
     if loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any()):
         return None
     try:
-        found = analyse(assembly, case.joints, loads.at(), Options(starts=STARTS, seed=scene.run.seed))
+        found = analyse(assembly, case.joints, loads.at(), LimitOptions(starts=STARTS, seed=scene.run.seed))
     except InputError:  # the run stands for itself: it needs no factor of limit analysis
         return None
     if not found.stands or found.endless:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.app.output_table import CORNER, CrackTable, JointTable, OutputTable, PointTable, SupportTable
+from masonry_cd.app.output_table import CORNER, CrackTable, JointTable, OutputTable, PointGaugeTable, SupportGaugeTable
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.io.gauges import CrackGauge, Gauges, JointGauge, PointGauge, SupportGauge
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -59,7 +59,7 @@ def _nearest(place: Sequence[float], assembly: Assembly, where: str) -> int:
     return int(np.flatnonzero(near_enough)[np.argmin(assembly.fixed[near_enough])])
 
 
-def _point(table: PointTable, assembly: Assembly, where: str) -> PointGauge:
+def _point(table: PointGaugeTable, assembly: Assembly, where: str) -> PointGauge:
     if table.block is None:
         assert table.place is not None
         block = _nearest(table.place, assembly, f"{where}.place")
@@ -113,7 +113,7 @@ def _crack(table: CrackTable, assembly: Assembly, where: str) -> CrackGauge:
     return CrackGauge(name, (ends[0], ends[1]), (first, second))
 
 
-def _support(table: SupportTable, assembly: Assembly, where: str) -> SupportGauge:
+def _support(table: SupportGaugeTable, assembly: Assembly, where: str) -> SupportGauge:
     block = _block(table.block, assembly, f"{where}.block")
     if not assembly.fixed[block]:
         raise InputError(f"{where}.block", f'"{table.block}" is not fixed; [[output.joint]] has the forces between free blocks')

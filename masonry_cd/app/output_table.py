@@ -16,7 +16,7 @@ CORNER = re.compile(r"(?:([+-])x)?(?:([+-])y)?(?:([+-])z)?")
 Place = Annotated[Vector, Unit("m")]
 
 
-class PointTable(Table):
+class PointGaugeTable(Table):
     """``[[output.point]]``: how a point of a block moves."""
 
     block: str | None = None
@@ -38,7 +38,7 @@ class PointTable(Table):
         return value
 
     @model_validator(mode="after")
-    def _one_place(self) -> PointTable:
+    def _one_place(self) -> PointGaugeTable:
         if self.corner is not None and self.place is not None:
             raise ValueError("give corner or place, not both")
         if self.block is None and self.place is None:
@@ -74,7 +74,7 @@ class CrackTable(Table):
     """In tables and plots."""
 
 
-class SupportTable(Table):
+class SupportGaugeTable(Table):
     """``[[output.support]]``: the reaction of a fixed block, summed over all that touches it."""
 
     block: str
@@ -86,11 +86,11 @@ class SupportTable(Table):
 class OutputTable(Table):
     """The table ``[output]``."""
 
-    point: list[PointTable] = Field(default_factory=list)
+    point: list[PointGaugeTable] = Field(default_factory=list)
     """Points whose displacement, velocity and acceleration are kept, [[output.point]] each."""
     joint: list[JointTable] = Field(default_factory=list)
     """Joints whose opening, slip, forces, moment and compressed depth are kept, [[output.joint]] each."""
     crack: list[CrackTable] = Field(default_factory=list)
     """Crack gauges between two points, [[output.crack]] each."""
-    support: list[SupportTable] = Field(default_factory=list)
+    support: list[SupportGaugeTable] = Field(default_factory=list)
     """Supports whose reaction is kept, [[output.support]] each."""

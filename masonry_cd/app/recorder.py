@@ -11,7 +11,7 @@ from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app.gauge_rows import GaugeRows
 from masonry_cd.app.measured_joints import MeasuredJoints
 from masonry_cd.app.pair_joints import PairJoints
-from masonry_cd.app.per_step import QUANTITIES, Made
+from masonry_cd.app.per_step import QUANTITIES, MadeStep
 from masonry_cd.app.staying_support import staying_support
 from masonry_cd.app.step_contacts import contacts_of, reactions_of
 from masonry_cd.io.block_arrays import Meshes
@@ -99,7 +99,7 @@ class Recorder:
     def step(self, report: StepReport, load_step: int) -> JointMeasures:
         """Record a step, which applied a step of the loads; return the measures of the joints after it."""
         stepper = self._stepper
-        made = Made(stepper, report, load_step)
+        made = MadeStep(stepper, report, load_step)
         self._rows.append(tuple(quantity.value(made) for quantity in self._quantities.values()))
         self._tensions.append(stepper.tensions)
         now = self.now()

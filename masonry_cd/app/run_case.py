@@ -20,7 +20,7 @@ from masonry_cd.app.bed_checks import beds
 from masonry_cd.app.beginning import begin as begin_run
 from masonry_cd.app.beginning import events_of, pauses_of, stepper_of
 from masonry_cd.app.case import Case
-from masonry_cd.app.checkpoint_checks import Kept, check_content
+from masonry_cd.app.checkpoint_checks import KeptArrays, check_content
 from masonry_cd.app.closing_lines import run_warnings
 from masonry_cd.app.dump import Dump
 from masonry_cd.app.explain import left_out
@@ -362,7 +362,7 @@ def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path, events: Ev
         require_same(digests(case), found.inputs, results)
 
         def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
-            kept = Kept(case.reported.blocks, case.joints.count, case.scene.stress, events is not None or settles(case.assembly))
+            kept = KeptArrays(case.reported.blocks, case.joints.count, case.scene.stress, events is not None or settles(case.assembly))
             check_content(arrays, numbers, stepper, kept, events)
             require_rows(found, numbers["rows"], numbers["mark"])
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.app.advance import Advance, Advanced
-from masonry_cd.app.checkpoint_checks import Kept, check_content
+from masonry_cd.app.checkpoint_checks import KeptArrays, check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
@@ -192,7 +192,7 @@ class _Loop:
         """
         arrays, numbers = checkpoint.load(path)
         try:
-            kept = Kept(
+            kept = KeptArrays(
                 self.recorder.blocks,
                 len(self.recorder.peaks.opening),
                 self.recorder.stress is not None,

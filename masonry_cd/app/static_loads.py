@@ -20,7 +20,7 @@ from loads import fill
 from loads.bars import PointLoad, Tie
 from loads.motion import LEVEL, Direction, RunGrid, Static, multiplied
 from loads.static import NO_STEP, StaticTable, static_tables, ties_of
-from masonry_cd.analysis.limit.problem import Arms, Bars, Loads, PointMasses
+from masonry_cd.analysis.limit.problem import Arms, Bars, BlockLoads, PointMasses
 from masonry_cd.app.limit_table import LimitTable
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -52,10 +52,10 @@ class StaticLoads:
         """Return True if gravity alone is constant and nothing but friction resists: a tilt is then a push."""
         return not self.constant.any() and not len(self.bars.strength)
 
-    def at(self, cosine: float = 1.0) -> Loads:
+    def at(self, cosine: float = 1.0) -> BlockLoads:
         """The loads of a limit analysis; those of a tilt at the cosine of its angle."""
         turned = cosine if self.kind == "tilt" else 1.0
-        return Loads(turned * self.gravity + self.constant, turned * self.live, self.bars, self.support_velocity, self.arms)
+        return BlockLoads(turned * self.gravity + self.constant, turned * self.live, self.bars, self.support_velocity, self.arms)
 
 
 def static_loads(

@@ -11,7 +11,17 @@ from masonry_cd import __version__
 from masonry_cd.analysis.damage.verdict import FEW, SOUND_ELASTIC, SOUND_RIGID
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.io.summary import FORMAT, Summary
-from masonry_cd.io.summary_tables import Acted, Closing, Energy, Islands, LeftOut, Loads, Solver, SummaryTable, TimeStep
+from masonry_cd.io.summary_tables import (
+    ActedLoad,
+    ClosingSteps,
+    Energy,
+    IslandCounts,
+    LoadSummary,
+    SkippedWork,
+    Solver,
+    SummaryTable,
+    TimeStep,
+)
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -47,13 +57,13 @@ def run_summary(case: Case, report: RunReport) -> Summary:
             accept=settings.accepted,
             reasons=report.solver_reasons,
         ),
-        islands=Islands(mean=report.islands_mean, max=report.islands_max, sleeping_mean=report.sleeping_mean),
-        left_out=LeftOut(steps_without_iterations=report.steps_as_before, **report.left_out),
+        islands=IslandCounts(mean=report.islands_mean, max=report.islands_max, sleeping_mean=report.sleeping_mean),
+        left_out=SkippedWork(steps_without_iterations=report.steps_as_before, **report.left_out),
         built_gap=case.built_gap,
-        closing=Closing(steps=report.steps_closing, speed_max=report.closing_max, jam=report.jam),
+        closing=ClosingSteps(steps=report.steps_closing, speed_max=report.closing_max, jam=report.jam),
         energy=Energy(**energy | _of(report, Energy)),
         modelled=(masses(case.assembly), *case.notes, *case.loading.lines),
-        loads=Loads(**case.loading.summary),
+        loads=LoadSummary(**case.loading.summary),
     )
     found |= elasticity_left_out(case)
     if named is not None:
@@ -98,11 +108,11 @@ def _median(lengths: list[tuple[int, int]]) -> int:
     return 1
 
 
-def loads_acted(case: Case, results: Results) -> tuple[Acted, ...]:
+def loads_acted(case: Case, results: Results) -> tuple[ActedLoad, ...]:
     """The share of each load that has acted in the steps of a run; a rest at its end adds none, since the loads were cut off before."""
     reached = results.per_step("load_step")
     steps = min(int(reached[-1]), case.scene.run.steps) if len(reached) else 0
-    return tuple(Acted(**one.row(steps * case.scene.run.dt)) for one in case.loading.acted)
+    return tuple(ActedLoad(**one.row(steps * case.scene.run.dt)) for one in case.loading.acted)
 
 
 def tolerances(case: Case, results: Results) -> dict[str, float]:

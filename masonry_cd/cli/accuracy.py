@@ -50,5 +50,5 @@ def accuracy(
     """
     from masonry_cd.studies.accuracy import command
 
-    asked = command.Asked(solvers, tolerances, dts, repeats, duration, tuple(set_ or ()), ensemble, workers, force, quiet)
+    asked = command.AccuracyRequest(solvers, tolerances, dts, repeats, duration, tuple(set_ or ()), ensemble, workers, force, quiet)
     return command.accuracy(source, output, asked, said(not quiet))

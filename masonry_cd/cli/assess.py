@@ -51,7 +51,7 @@ def assess(
     from masonry_cd.foundation.errors import InputError
     from masonry_cd.studies.assess import command
     from masonry_cd.studies.assess.plan import AssessPlan
-    from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.studies.study.study_case import StudyOptions
 
     if report:
         found = command.report(output)
@@ -59,7 +59,7 @@ def assess(
         made = AssessPlan(read_scene(scene, set_ or ()), all_pairs, at_once)
         if plan:
             return Result(None, [command.cost_in_words(made)])
-        options = Options(made.where(workers), retry, force, quiet=quiet, warn=warn)
+        options = StudyOptions(made.where(workers), retry, force, quiet=quiet, warn=warn)
         found = command.assess(made, output, options, said(not quiet))
     if found.value is not None and not found.value.base.row.done:
         raise InputError("", found.lines[0])

@@ -39,11 +39,11 @@ def calibrate(
     """
     from masonry_cd.studies.calibrate import command
     from masonry_cd.studies.calibrate.plan import Calibration
-    from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.studies.study.study_case import StudyOptions
     from masonry_cd.studies.study.study_file import read_study
 
     made = Calibration.of(read_study(study))
     where = command.Sampling(made).plan.where(workers, scheduler, slurm)
     if plan:
         return Result(None, [made.line])
-    return command.calibrate(made, output, Options(where, retry, force, quiet=quiet, warn=warn), said(not quiet))
+    return command.calibrate(made, output, StudyOptions(where, retry, force, quiet=quiet, warn=warn), said(not quiet))

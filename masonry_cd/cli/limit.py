@@ -52,10 +52,10 @@ def limit(
       masonry-cd limit church.toml -o out/parts --macro-elements
     """
     from masonry_cd.app.scene import read_scene
-    from masonry_cd.limit.case import Wanted
-    from masonry_cd.limit.command import Files
+    from masonry_cd.limit.case import WantedMechanisms
+    from masonry_cd.limit.command import LimitFiles
     from masonry_cd.limit.command import limit as command
 
     exclude(("--resume", resume), ("--force", force))
-    wanted = Wanted(macro_elements, curve, quiet=quiet)
-    return command(read_scene(scene, set_ or ()), wanted, Files(output, force, resume, picture, view, run))
+    wanted = WantedMechanisms(macro_elements, curve, quiet=quiet)
+    return command(read_scene(scene, set_ or ()), wanted, LimitFiles(output, force, resume, picture, view, run))

@@ -44,8 +44,8 @@ def run(
     from masonry_cd.app.scene import read_scene
 
     read = read_scene(scene, set_ or ())
-    from masonry_cd.app.commands.run import Asked  # numba comes with it, which a scene that is refused does without
+    from masonry_cd.app.commands.run import RunRequest  # numba comes with it, which a scene that is refused does without
     from masonry_cd.app.commands.run import run as command
 
-    asked = Asked(force, resume, dump_problem or (), explain, quiet)
+    asked = RunRequest(force, resume, dump_problem or (), explain, quiet)
     return command(read, output, asked, silent if quiet else typer.echo)

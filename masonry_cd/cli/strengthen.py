@@ -38,7 +38,7 @@ def strengthen(
       masonry-cd strengthen church.toml -o out/shaken --shake
     """
     from masonry_cd.app.scene import read_scene
-    from masonry_cd.strengthening.command import Files
+    from masonry_cd.strengthening.command import StrengtheningFiles
     from masonry_cd.strengthening.command import strengthen as command
 
-    return command(read_scene(scene, set_ or ()), Files(output, force, picture, view, shake, quiet), said(not quiet))
+    return command(read_scene(scene, set_ or ()), StrengtheningFiles(output, force, picture, view, shake, quiet), said(not quiet))

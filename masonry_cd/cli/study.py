@@ -45,7 +45,7 @@ def study(
     from masonry_cd.foundation.errors import InputError
     from masonry_cd.studies.study import command
     from masonry_cd.studies.study.clusters import job_script
-    from masonry_cd.studies.study.study_case import Options, plan_of
+    from masonry_cd.studies.study.study_case import StudyOptions, plan_of
 
     exclude(("--report", report), ("--force", force))
     made = plan_of(study)
@@ -57,5 +57,5 @@ def study(
         return Result(None, [made.line])
     if report:
         return command.report(made, output)
-    options = Options(made.where(workers, scheduler, slurm), retry, force, resume, quiet, warn)
+    options = StudyOptions(made.where(workers, scheduler, slurm), retry, force, resume, quiet, warn)
     return command.study(made, output, options, said(not quiet))

@@ -61,7 +61,7 @@ def compile_entry(function: FunctionType, options: dict[str, Any], entry: str, t
         target: what it is compiled for, as text.
     """
     compiled = _dispatcher(function, options, _Pipeline)
-    compiled._cache = Kept(entry, function, f"{target} {sorted(map(str, options.items()))}")
+    compiled._cache = KeptEntry(entry, function, f"{target} {sorted(map(str, options.items()))}")
     return compiled
 
 
@@ -73,7 +73,7 @@ def _dispatcher(function: Callable[..., Any], options: dict[str, Any], pipeline:
     return compiled
 
 
-class Kept:
+class KeptEntry:
     """Stand-in for numba's cache of an entry.
 
     Args:

@@ -89,7 +89,7 @@ class Key(NamedTuple):
     usual: tuple[Usual, ...]  # of which the first that does not hold is said
 
 
-class Kind(NamedTuple):
+class UnitKind(NamedTuple):
     """The quantity that a unit measures, as messages name it."""
 
     what: str
@@ -97,26 +97,26 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "m": Kind("length", "30 mm"),
-    "m2": Kind("area", "7 cm2"),
-    "s": Kind("time", "5 ms"),
-    "1/s": Kind("rate", "0.1 1/s"),
-    "Hz": Kind("frequency", "10 Hz"),
-    "m/s": Kind("speed", "20 cm/s"),
-    "m/s2": Kind("acceleration", "0.25 g"),
-    "degrees": Kind("angle", "30 deg"),
-    "degrees/s": Kind("rate of an angle", "0.5 deg/s"),
-    "kg": Kind("mass", "20 t"),
-    "kg/m2": Kind("mass per area", "0.15 t/m2"),
-    "kg/m3": Kind("density", "1.9 t/m3"),
-    "N": Kind("force", "400 kN"),
-    "N m": Kind("moment", "5 kN m"),
-    "N/m": Kind("stiffness, or energy per area", "0.02 N/mm"),
-    "N s/m": Kind("dashpot", "3 MN s/m"),
-    "N m s": Kind("dashpot of a turn", "50 MN m s"),
-    "N/m3": Kind("stiffness per area", "10 N/mm3"),
-    "Pa": Kind("stress", "1.5 GPa"),
-    "GB": Kind("size of memory", "4 GB"),
+    "m": UnitKind("length", "30 mm"),
+    "m2": UnitKind("area", "7 cm2"),
+    "s": UnitKind("time", "5 ms"),
+    "1/s": UnitKind("rate", "0.1 1/s"),
+    "Hz": UnitKind("frequency", "10 Hz"),
+    "m/s": UnitKind("speed", "20 cm/s"),
+    "m/s2": UnitKind("acceleration", "0.25 g"),
+    "degrees": UnitKind("angle", "30 deg"),
+    "degrees/s": UnitKind("rate of an angle", "0.5 deg/s"),
+    "kg": UnitKind("mass", "20 t"),
+    "kg/m2": UnitKind("mass per area", "0.15 t/m2"),
+    "kg/m3": UnitKind("density", "1.9 t/m3"),
+    "N": UnitKind("force", "400 kN"),
+    "N m": UnitKind("moment", "5 kN m"),
+    "N/m": UnitKind("stiffness, or energy per area", "0.02 N/mm"),
+    "N s/m": UnitKind("dashpot", "3 MN s/m"),
+    "N m s": UnitKind("dashpot of a turn", "50 MN m s"),
+    "N/m3": UnitKind("stiffness per area", "10 N/mm3"),
+    "Pa": UnitKind("stress", "1.5 GPa"),
+    "GB": UnitKind("size of memory", "4 GB"),
 }
 """The units that keys have."""
 OF_ACCELERATIONS = {"g": GRAVITY, "gal": "Gal"}  # elsewhere g is a gram and gal a gallon

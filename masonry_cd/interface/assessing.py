@@ -157,11 +157,11 @@ def assess(
     """
     from masonry_cd.studies.assess.command import assess as command
     from masonry_cd.studies.assess.plan import AssessPlan
-    from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.studies.study.study_case import StudyOptions
 
     place, keeper = place_of(folder)
     plan = AssessPlan(scene(source).checked, all_pairs, at_once)
     with without_main():
-        result = command(plan, place, Options(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))
+        result = command(plan, place, StudyOptions(plan.where(workers), retry, force, quiet=not progress, warn=warn), said(progress))
     returned(result)
     return Assessment(place, keeper)

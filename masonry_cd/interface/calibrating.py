@@ -172,7 +172,7 @@ def calibrate(
     """
     from masonry_cd.studies.calibrate import command
     from masonry_cd.studies.calibrate.plan import Calibration as CalibrationPlan
-    from masonry_cd.studies.study.study_case import Options
+    from masonry_cd.studies.study.study_case import StudyOptions
     from masonry_cd.studies.study.study_file import read_study
 
     place, keeper = place_of(folder)
@@ -182,7 +182,7 @@ def calibrate(
         plan = CalibrationPlan.of(read_study(Path(source)))
     where = command.Sampling(plan).plan.where(workers, scheduler, None if slurm is None else Path(slurm))
     with without_main():
-        result = command.calibrate(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), said(progress))
+        result = command.calibrate(plan, place, StudyOptions(where, retry, force, quiet=not progress, warn=warn), said(progress))
     found = returned(result)
     if found is None:
         raise InputError(place, result.stopped)

@@ -26,7 +26,7 @@ Source = Run | str | os.PathLike[str]
 class Comparison(Sealed):
     """Differences in the scenes of some runs, in their damage and in their response; ``print`` shows them as Markdown."""
 
-    def __init__(self, found: comparison.Comparison) -> None:
+    def __init__(self, found: comparison.ComparisonTable) -> None:
         self._found = found
 
     @property

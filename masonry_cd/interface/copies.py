@@ -18,7 +18,7 @@ from masonry_cd.app.pair_joints import PairJoints
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.signatures import require_picklable
-from masonry_cd.interface.events import Events
+from masonry_cd.interface.events import EventCallbacks
 from masonry_cd.interface.joint_law import BoundLaw
 from masonry_cd.interface.model_changes import ModelChanges
 from masonry_cd.interface.scenes import Scene
@@ -33,7 +33,7 @@ class Copies(ModelChanges, SimulationViews):
 
     _given: dict[str, Any]
     _busy: bool
-    _events: Events
+    _events: EventCallbacks
 
     def copy(self) -> Self:
         """A second simulation in the state of this one, which continues with the same bits.

@@ -19,7 +19,7 @@ from masonry_cd.mechanics.model.state import State
 EVENTS = {"step": "sim", "opening": "sim, joint", "fall": "sim, block"}  # what their functions are given
 
 
-class Events:
+class EventCallbacks:
     """The functions by event. What no function asks for is not measured.
 
     Args:
@@ -57,7 +57,7 @@ class Events:
         """Continue from what :meth:`parcel` gave."""
         self.functions, self._open, self._down = parcel
 
-    def copied(self) -> Events:
+    def copied(self) -> EventCallbacks:
         """A copy with the same functions, independent of this one."""
         other = copy.copy(self)
         other._open, other._down = self._open.copy(), self._down.copy()

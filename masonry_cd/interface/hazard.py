@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.hazard import frequency as rates
 from masonry_cd.analysis.hazard.curve import Hazard as Curve
-from masonry_cd.analysis.hazard.curve import Period, Row
+from masonry_cd.analysis.hazard.curve import HazardRow, Period
 from masonry_cd.analysis.hazard.life import PROBABILITY
 from masonry_cd.analysis.hazard.table import HazardTable, hazard_of
 from masonry_cd.foundation.errors import InputError, parse_table
@@ -59,7 +59,7 @@ class Hazard(Sealed):
         """The return period of an intensity: ``years``, with ``bound`` ">=" or "<=" beyond the rows."""
         return self._curve.return_period(intensity)
 
-    def at(self, return_period: float) -> Row:
+    def at(self, return_period: float) -> HazardRow:
         """The ``intensity`` of a return period [years], and ``f0`` and ``tc_star`` where the rows have them.
 
         Raises:
@@ -67,7 +67,7 @@ class Hazard(Sealed):
         """
         return self._curve.at(return_period)
 
-    def of_limit_state(self, state: str) -> Row:
+    def of_limit_state(self, state: str) -> HazardRow:
         """Return the row that NTC asks for at "SLO", "SLD", "SLV" or "SLC", by the nominal life and the class of use.
 
         Raises:

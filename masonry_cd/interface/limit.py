@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from PIL.Image import Image
 
-    from masonry_cd.limit.case import LimitCase, Wanted
+    from masonry_cd.limit.case import LimitCase, WantedMechanisms
     from masonry_cd.limit.checked import Checked
     from masonry_cd.limit.whole import WholeAnalysis
 
@@ -272,9 +272,9 @@ def limit_analysis(
     >>> int((found.joints["state"] == "hinge").sum())
     4
     """
-    from masonry_cd.limit.case import Wanted
+    from masonry_cd.limit.case import WantedMechanisms
 
-    return _analysed(source, Wanted(macro_elements, jobs=jobs), folder, force)
+    return _analysed(source, WantedMechanisms(macro_elements, jobs=jobs), folder, force)
 
 
 def macro_elements(
@@ -304,17 +304,17 @@ def macro_elements(
     >>> found.parts["element"].iloc[0], round(float(found.parts["alpha0"].min()), 2)
     ('wall', 0.2)
     """
-    from masonry_cd.limit.case import Wanted
+    from masonry_cd.limit.case import WantedMechanisms
 
-    return _analysed(source, Wanted(not chosen, whole=False, jobs=jobs), folder, force)
+    return _analysed(source, WantedMechanisms(not chosen, whole=False, jobs=jobs), folder, force)
 
 
 def _analysed(
-    source: Scene | str | os.PathLike[str] | Mapping[str, Any], wanted: Wanted, folder: str | os.PathLike[str] | None, force: bool
+    source: Scene | str | os.PathLike[str] | Mapping[str, Any], wanted: WantedMechanisms, folder: str | os.PathLike[str] | None, force: bool
 ) -> LimitAnalysis:
     """A scene analysed, and written into a folder where one is given."""
-    from masonry_cd.limit.command import Files, limit
+    from masonry_cd.limit.command import LimitFiles, limit
 
     asked = scene(source)  # which holds the files of its arrays
     where = None if folder is None else Path(folder)
-    return LimitAnalysis(returned(limit(asked.checked, wanted, None if where is None else Files(where, force)), level=4), where)
+    return LimitAnalysis(returned(limit(asked.checked, wanted, None if where is None else LimitFiles(where, force)), level=4), where)

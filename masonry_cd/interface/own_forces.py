@@ -87,7 +87,7 @@ class Pushing(Protocol):
         return self
 
 
-class History:
+class ForceHistory:
     """A quantity over time: a function of it, or times (N,) and values (N, k), straight between and constant beyond.
 
     Args:
@@ -145,7 +145,7 @@ class BlockHistories(Pushing):
     def __init__(self, given: Mapping[str, Any], assembly: Assembly) -> None:
         self._block = np.array([free_block(name, assembly, "forces") for name in given], dtype=np.int64)
         forces = [value if isinstance(value, Force) else Force(value) for value in given.values()]
-        self._histories = [History(force.history, (3, WRENCH), f'forces["{name}"]') for name, force in zip(given, forces, strict=True)]
+        self._histories = [ForceHistory(force.history, (3, WRENCH), f'forces["{name}"]') for name, force in zip(given, forces, strict=True)]
         self._arms = np.zeros((len(forces), 3))  # body frames
         for i, (name, force) in enumerate(zip(given, forces, strict=True)):
             if force.at is not None:

@@ -12,10 +12,10 @@ import numpy as np
 from loads.motion import LoadAction, RunGrid, Turning
 from loads.turning import Turned, by_rotation, by_velocity
 from loads.value_history import ValueHistory, at_middles
-from masonry_cd.app.case import Structure, assembled, structure_of
+from masonry_cd.app.case import BuiltStructure, assembled, structure_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.interface.own_forces import WRENCH, History, block_named
+from masonry_cd.interface.own_forces import WRENCH, ForceHistory, block_named
 from masonry_cd.interface.values import numbers
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -37,7 +37,7 @@ class Motion:
     of: Literal["velocity", "displacement"] = "velocity"
 
 
-def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[Structure, list[LoadAction]]:
+def driven(scene: Scene, motions: Mapping[str, Any]) -> tuple[BuiltStructure, list[LoadAction]]:
     """The structure of a scene with some blocks as supports, and what each of these adds to the loads.
 
     Args:
@@ -68,7 +68,7 @@ def _part(motion: Motion, block: int, blocks: list[Block], dt: float) -> LoadAct
     share[block] = 1.0
     if motion.of not in ("velocity", "displacement"):
         raise InputError(where, f'of = "{motion.of}": "velocity" and "displacement" there are')
-    history = History(motion.history, (3, WRENCH), where)
+    history = ForceHistory(motion.history, (3, WRENCH), where)
     about = None if motion.about is None else numbers(motion.about, f"{where}.about", (3,))
     course = None
     if motion.of == "displacement" and not callable(motion.history):

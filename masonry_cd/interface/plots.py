@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from masonry_cd.analysis.damage.part_damage import PartDamage
     from masonry_cd.analysis.fragility.findings import Findings
     from masonry_cd.io.summary import Summary
-    from reports.drawing.scene import Scene
+    from reports.drawing.scene import PictureScene
     from reports.study.joint_maps import JointStudy
 
 HEIGHT = 900  # of a page in a notebook [pixels]
@@ -295,7 +295,7 @@ def _names(known: Iterable[str]) -> str:
     return ", ".join(name.removesuffix(".png") for name in known) or "none"
 
 
-def image_of(scene: Scene) -> Image:
+def image_of(scene: PictureScene) -> Image:
     """A scene that is drawn, as an image that a notebook shows."""
     require("a picture", "PIL")
     from PIL import Image as images

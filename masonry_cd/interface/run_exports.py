@@ -29,7 +29,7 @@ OLD = "this run was made before its forces were kept as vectors; run its scene a
 QUANTITIES = {"displacement": ("DISP", "m"), "velocity": ("VEL", "m/s")}  # of traces
 
 
-class Thrust(NamedTuple):
+class ThrustLine(NamedTuple):
     """The line of thrust at a time: a straight piece from the centre of each joint's pressure to where those of its block meet."""
 
     lines: np.ndarray  # (L, 2, 3) world frame [m]
@@ -74,7 +74,7 @@ class RunExports(OpenRun):
             names = [block.name for block in found.blocks if block.fixed]
             return frame_of(columns_of(REACTIONS, every[frame]), names, "block", time=float(found.time[frame]))
 
-    def thrust(self, time: float | None = None) -> Thrust:
+    def thrust(self, time: float | None = None) -> ThrustLine:
         """The line of thrust, as a crack map with ``thrust`` draws it.
 
         Raises:
@@ -86,7 +86,7 @@ class RunExports(OpenRun):
             force = np.where(apart, 0.0, found.joints_at("normal_force", frame))
             joints, place = found.joints, np.nan_to_num(found.joints_at("force_point", frame))
             lines, strength, joint, block = thrust_lines((joints.block_a, joints.block_b), place, force, solids)
-            return Thrust(lines, strength, joint, block)
+            return ThrustLine(lines, strength, joint, block)
 
     def to_xarray(self) -> Dataset:
         """All frames as a Dataset of xarray over time, block, joint and support; each variable says its unit.

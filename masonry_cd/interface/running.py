@@ -54,21 +54,21 @@ def run(
     >>> run.joints.loc[0, ["block_a", "block_b", "state"]].tolist()
     ['ground', 'left', 'intact']
     """
-    from masonry_cd.app.commands.run import Asked
+    from masonry_cd.app.commands.run import RunRequest
     from masonry_cd.app.commands.run import run as command
 
     asked, (place, keeper) = scene(source), place_of(folder)
-    settings = Asked(force, quiet=not progress, place=lambda there: asked.placed(there, force))
+    settings = RunRequest(force, quiet=not progress, place=lambda there: asked.placed(there, force))
     return _returned(command(asked.checked, place, settings), place, keeper)
 
 
 def recorded(case: Case, asked: Scene, folder: str | os.PathLike[str] | None, own: Own, progress: bool = True, force: bool = False) -> Run:
     """Run a case that is prepared with code of its own, see :func:`run`."""
-    from masonry_cd.app.commands.run import Asked, computed
+    from masonry_cd.app.commands.run import RunRequest, computed
 
     place, keeper = place_of(folder)
     free_folder(place, RUN, force)
-    settings = Asked(force, quiet=not progress, own=own, place=lambda there: asked.placed(there, force))
+    settings = RunRequest(force, quiet=not progress, own=own, place=lambda there: asked.placed(there, force))
     return _returned(computed(case, place, settings), place, keeper, 5)
 
 
@@ -82,7 +82,7 @@ def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Ru
     Raises:
         InputError: nothing to resume, or files that have changed since.
     """
-    from masonry_cd.app.commands.run import Asked
+    from masonry_cd.app.commands.run import RunRequest
     from masonry_cd.app.commands.run import run as command
     from masonry_cd.interface.results import Run as Opened
     from masonry_cd.io.results import Results
@@ -91,7 +91,7 @@ def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Ru
     require(place / NAME)
     with Results.open(place / RUN[0]) as found:
         asked = origin_of(found).checked()
-    return _returned(command(asked, place, Asked(resume=True, quiet=not progress)), place, keeper)
+    return _returned(command(asked, place, RunRequest(resume=True, quiet=not progress)), place, keeper)
 
 
 def _returned(result: Result[Any], folder: Path, keeper: TemporaryFolder | None, level: int = 4) -> Run:

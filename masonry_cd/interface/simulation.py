@@ -21,7 +21,7 @@ from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.signatures import require_call
 from masonry_cd.interface.copies import Copies
-from masonry_cd.interface.events import EVENTS, Events
+from masonry_cd.interface.events import EVENTS, EventCallbacks
 from masonry_cd.interface.frames import Frames
 from masonry_cd.interface.joint_law import BoundLaw, JointLaw, law_of
 from masonry_cd.interface.model_changes import without_waiting
@@ -121,7 +121,7 @@ class Simulation(Copies):
         self._changed.follow = self._take_model
         self._advance = self._fresh_advance()
         self._pair_joints = PairJoints(assembly)
-        self._events = Events(self._case.joints, self._stepper, checked.report.opened)
+        self._events = EventCallbacks(self._case.joints, self._stepper, checked.report.opened)
         self._busy, self._asked_to_stop = False, ""
         self._report: StepReport | None = None
         self._frames: Frames | None = None  # kept in memory

@@ -19,7 +19,7 @@ from masonry_cd.interface.tables import frame_of_rows
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from masonry_cd.strengthening.design import Strengthening as Design
+    from masonry_cd.strengthening.design import StrengtheningDesign as Design
 
 
 class Strengthening(Sealed):
@@ -123,12 +123,12 @@ def strengthen(
     ([944.0], 0.1667)
     """
     from masonry_cd.foundation.errors import InputError
-    from masonry_cd.strengthening.command import Files
+    from masonry_cd.strengthening.command import StrengtheningFiles
     from masonry_cd.strengthening.command import strengthen as command
 
     if shake and folder is None:
         raise InputError("shake", "needs a folder for its runs")
     asked = scene(source)
     where = None if folder is None else Path(folder)
-    made = returned(command(asked.checked, None if where is None else Files(where, force, shake=shake)))
+    made = returned(command(asked.checked, None if where is None else StrengtheningFiles(where, force, shake=shake)))
     return Strengthening(made, asked, where)

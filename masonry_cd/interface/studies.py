@@ -34,8 +34,8 @@ from masonry_cd.interface.temporary import TemporaryFolder, place_of
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.plan import StudyPlan
-from masonry_cd.studies.study.study_case import Options, plan_of, plan_of_study, require_own
-from masonry_cd.studies.study.study_file import Study as CheckedStudy
+from masonry_cd.studies.study.study_case import StudyOptions, plan_of, plan_of_study, require_own
+from masonry_cd.studies.study.study_file import ReadStudy as CheckedStudy
 from masonry_cd.studies.study.study_file import parse_study
 from reports.study.joint_maps import JointStudy, joint_study
 from reports.study.tables import COLUMNS_OF_FITS, row_of
@@ -226,7 +226,7 @@ def study(
     plan = _plan(source, place, force)
     where = plan.where(workers, scheduler, None if slurm is None else Path(slurm))
     with without_main():
-        result = command(plan, place, Options(where, retry, force, quiet=not progress, warn=warn), said(progress))
+        result = command(plan, place, StudyOptions(where, retry, force, quiet=not progress, warn=warn), said(progress))
     returned(result)
     return Study(place, keeper)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from loads.readers.pieces import Piece, code_of, joined, of_traces
+from loads.readers.pieces import ChannelPiece, code_of, joined, of_traces
 from loads.signal.series import Keys, accelerations
 from masonry_cd.foundation.errors import InputError
 
@@ -45,7 +45,7 @@ def from_traces(
     every = [traces] if hasattr(traces, "stats") else list(traces) if isinstance(traces, Iterable) else []
     if not every or not all(hasattr(trace, "stats") and hasattr(trace, "data") for trace in every):
         raise InputError("from_traces", "a Trace of obspy or a Stream of some is needed")
-    channels: dict[str, list[Piece]] = {}
+    channels: dict[str, list[ChannelPiece]] = {}
     for piece in of_traces(every, _error):
         channels.setdefault(piece.name, []).append(piece)
     if quantity not in (None, *SI):
@@ -68,7 +68,7 @@ def _error(message: str) -> InputError:
     return InputError("from_traces", f"{message}")
 
 
-def _accelerations(pieces: list[Piece], factor: float, keys: Keys) -> tuple[np.ndarray, float, float]:
+def _accelerations(pieces: list[ChannelPiece], factor: float, keys: Keys) -> tuple[np.ndarray, float, float]:
     """Accelerations of a channel (N,) [m/s2], when they begin and their step [s]."""
     raw = joined(sorted(pieces, key=lambda piece: piece.begin), _error, None if keys.calibration is None else factor)
     values, _ = accelerations(raw, keys, "from_traces", raw.name)

@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.io.layout import MESH_ARRAYS
 from masonry_cd.mechanics.dynamics.element_stress import meshes_of, starts
 from masonry_cd.mechanics.dynamics.strain import Strains
-from masonry_cd.mechanics.model.blocks import Assembly, Block, Carried
+from masonry_cd.mechanics.model.blocks import Assembly, Block, CarriedLoad
 from masonry_cd.mechanics.model.fill import CoveredFaces, Fill
 from masonry_cd.mechanics.model.geometry import Faces
 
@@ -31,8 +31,8 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...], fills: Sequence[F
         group["radius"] = np.array([b.radius for b in blocks])
     group["density"] = np.array([b.density for b in blocks])
     if any(b.carried is not None for b in blocks):
-        carried = [b.carried or Carried(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
-        for name in Carried._fields:
+        carried = [b.carried or CarriedLoad(0.0, np.zeros(3), np.zeros((3, 3))) for b in blocks]
+        for name in CarriedLoad._fields:
             group[f"carried_{name}"] = np.array([getattr(each, name) for each in carried])
     if (fill := CoveredFaces.of(fills, [b.name for b in blocks])) is not None:
         for name, values in fill._asdict().items():
@@ -73,12 +73,12 @@ def read_fill(group: h5py.Group) -> CoveredFaces | None:
     return CoveredFaces(*(group[f"fill_{name}"][...] for name in CoveredFaces._fields)) if "fill_block" in group else None
 
 
-def _carried(group: h5py.Group, count: int) -> list[Carried | None]:
+def _carried(group: h5py.Group, count: int) -> list[CarriedLoad | None]:
     """Return the carried values of each block."""
     if "carried_mass" not in group:
         return [None] * count
-    mass, centre, inertia = (group[f"carried_{name}"][...] for name in Carried._fields)
-    return [Carried(float(m), c, i) if m else None for m, c, i in zip(mass, centre, inertia, strict=True)]
+    mass, centre, inertia = (group[f"carried_{name}"][...] for name in CarriedLoad._fields)
+    return [CarriedLoad(float(m), c, i) if m else None for m, c, i in zip(mass, centre, inertia, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

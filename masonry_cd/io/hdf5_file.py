@@ -31,7 +31,7 @@ WORD = 0xFFFFFFFF
 READ_ERRORS = (OSError, RuntimeError, ValueError, KeyError, TypeError)  # what bytes that do not fit make h5py raise
 
 
-class Cut(OSError):
+class TruncatedFile(OSError):
     """A file that ends before its content does."""
 
 
@@ -64,7 +64,7 @@ class _Source(io.RawIOBase):
         if checksum != lookup3(head[:-4]):
             raise InputError(self._path, "damaged: its header cannot be read")
         if not marks and end > self._size:
-            raise Cut
+            raise TruncatedFile
         mended = SUPERBLOCK.pack(signature, version, offsets, lengths, 0, base, extension, self._size, root, 0)[:-4]
         return mended + struct.pack("<I", lookup3(mended)), bool(marks)
 
@@ -92,7 +92,7 @@ class _Source(io.RawIOBase):
         """
         place, wanted = self._file.tell(), len(buffer)
         if place + wanted > self._size or self._file.readinto(buffer) != wanted:
-            raise Cut(f"{self._path}: ends before its content does")
+            raise TruncatedFile(f"{self._path}: ends before its content does")
         if place < len(self._head):
             known = self._head[place : place + wanted]
             buffer[: len(known)] = known
@@ -115,7 +115,7 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
             raise EOFError
         source = _Source(path)
         return h5py.File(source, "r"), source.written
-    except Cut:
+    except TruncatedFile:
         raise InputError(path, "truncated: parts of the file are missing, perhaps because a copy was interrupted") from None
     except IsADirectoryError:
         raise InputError(path, "is a folder, no file") from None

@@ -19,30 +19,30 @@ from masonry_cd.foundation.files import read_text
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.io.summary_tables import (
     Beds,
-    Closing,
+    ClosingSteps,
     Count,
     ElasticBasis,
     End,
     Energy,
     Event,
     Flag,
-    Islands,
+    IslandCounts,
     JointCounts,
-    LeftOut,
     LoadFactor,
-    Loads,
+    LoadSummary,
     Metres,
     PartInShort,
     Push,
     Real,
-    RunStress,
     RunVerdict,
     Seconds,
-    Shock,
+    ShockDamage,
+    SkippedWork,
     Solver,
     Speed,
+    StressSummary,
     SummaryTable,
-    Tie,
+    TieTension,
     TimeStep,
 )
 
@@ -54,7 +54,7 @@ class Newer(InputError):
     """A summary of a format that a later version of the program wrote."""
 
 
-class Heading(SummaryTable):
+class SummaryHead(SummaryTable):
     """The keys that come first."""
 
     format: Annotated[Count, "of this file"] = FORMAT
@@ -62,7 +62,7 @@ class Heading(SummaryTable):
     verdict: Annotated[RunVerdict | None, "on the run"] = None
 
 
-class Summary(JointCounts, Heading):
+class Summary(JointCounts, SummaryHead):
     """The results of a run in numbers."""
 
     version: Annotated[str, "of the program"] = ""
@@ -82,17 +82,17 @@ class Summary(JointCounts, Heading):
     contacts_max: Annotated[Count, "contact points of a step"] = 0
     planar: Annotated[Flag, "solved in the plane of symmetry"] = False
     solver: Solver = Solver()
-    islands: Islands = Islands()
-    left_out: LeftOut = LeftOut()
+    islands: IslandCounts = IslandCounts()
+    left_out: SkippedWork = SkippedWork()
     built_gap: Annotated[Metres, "widest gap of joints as built"] = 0.0
     penetration_max: Annotated[Metres, "deepest overlap of blocks"] = 0.0
     penetration_where: Annotated[str, "its blocks and time, of one that is deep"] = ""
     shortening_max: Annotated[Metres, "largest shortening of an elastic joint"] = 0.0
     shortening_where: Annotated[str, "its blocks and time, of one that is large"] = ""
-    closing: Closing = Closing()
+    closing: ClosingSteps = ClosingSteps()
     energy: Energy = Energy()
     modelled: Annotated[tuple[str, ...], "what stands for what, line by line"] = ()
-    loads: Loads = Loads()
+    loads: LoadSummary = LoadSummary()
     masonry: Annotated[dict[str, Any] | None, "the kind of masonry, what is taken of it, and the ranges of its table, in SI units"] = None
     elastic_period: Annotated[Seconds, "first elastic period, which rigid joints leave out"] = 0.0
     amplification: Annotated[Real, "of the motion of the base at that period: S_a over PGA"] = 0.0
@@ -103,7 +103,7 @@ class Summary(JointCounts, Heading):
     warnings: Annotated[tuple[str, ...], "what must not pass in silence"] = ()
     python: Annotated[str, "what code added to the scene"] = ""
     load_factor: LoadFactor | None = None
-    ties: tuple[Tie, ...] = ()
+    ties: tuple[TieTension, ...] = ()
     displacement_max: Annotated[Metres, "largest displacement of a block relative to the base, at any time"] = 0.0
     doubts: Annotated[tuple[str, ...] | None, "values that are unusual, and blocks that nothing carries"] = None
     beds: Beds | None = None
@@ -113,7 +113,7 @@ class Summary(JointCounts, Heading):
     collapsed_block_names: Annotated[tuple[str, ...], "blocks that have fallen"] = ()
     provisional: Annotated[str, "why residual values and grades are not the last; empty where the run ended at rest"] = ""
     end: End | None = None
-    shocks: tuple[Shock, ...] = ()
+    shocks: tuple[ShockDamage, ...] = ()
     events: tuple[Event, ...] = ()
     joints_bonded: Annotated[Count, "joints that were bonded at the start"] = 0
     joints_broken: Annotated[Count, "those of them whose bond broke, all over or in part"] = 0
@@ -126,7 +126,7 @@ class Summary(JointCounts, Heading):
     crushing_forgotten: Annotated[Count, "joints whose crushing is forgotten, since their blocks came apart or met with other faces"] = 0
     pushes: tuple[Push, ...] = ()
     parts: tuple[PartInShort, ...] = ()
-    stress: RunStress | None = None
+    stress: StressSummary | None = None
 
     def __or__(self, more: Summary) -> Summary:
         """This summary with the keys that another has."""

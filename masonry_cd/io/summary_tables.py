@@ -60,7 +60,7 @@ class Solver(SummaryTable):
     tolerance_sound: Annotated[Real | None, "tolerance up to which ensembles of buildings on such joints show no bias"] = None
 
 
-class Islands(SummaryTable):
+class IslandCounts(SummaryTable):
     """Groups of blocks that touch one another only through supports."""
 
     mean: Annotated[Real, "number of them in a step"] = 0.0
@@ -68,7 +68,7 @@ class Islands(SummaryTable):
     sleeping_mean: Annotated[Real, "share of the blocks that slept, since they were at rest"] = 0.0
 
 
-class LeftOut(SummaryTable):
+class SkippedWork(SummaryTable):
     """Work that the steps did not have to do."""
 
     steps_without_iterations: Annotated[Count, "steps that the impulses of the step before solved"] = 0
@@ -79,7 +79,7 @@ class LeftOut(SummaryTable):
     pairs_with_faces_searched: Annotated[Count, "pairs whose faces were searched for the touching ones"] = 0
 
 
-class Closing(SummaryTable):
+class ClosingSteps(SummaryTable):
     """Steps that left contacts closing, so that overlaps grow."""
 
     steps: Annotated[Count, "how many"] = 0
@@ -111,7 +111,7 @@ class Energy(SummaryTable):
     lift_share: Annotated[Real, "work of lifting blocks out of overlaps over the largest work"] = 0.0
 
 
-class Acted(SummaryTable):
+class ActedLoad(SummaryTable):
     """How much of a load has acted by the end of the run."""
 
     load: Annotated[str, "its place in the scene"] = ""
@@ -131,12 +131,12 @@ class BaseMotion(SummaryTable):
     peak_rotation: Annotated[Real, Unit("degrees"), "largest angle by which one turns"] = 0.0
 
 
-class Loads(SummaryTable):
+class LoadSummary(SummaryTable):
     """The loads that acted on the structure."""
 
     tables: Annotated[tuple[dict[str, Any], ...], "each load in the order of the scene, by numbers of its kind"] = ()
     base: Annotated[BaseMotion, "how the supports are driven"] = BaseMotion()
-    acted: Annotated[tuple[Acted, ...] | None, "how much of each load has acted"] = None
+    acted: Annotated[tuple[ActedLoad, ...] | None, "how much of each load has acted"] = None
 
 
 class TimeStep(SummaryTable):
@@ -195,7 +195,7 @@ class LoadFactor(SummaryTable):
     limit_analysis: Annotated[LimitBracket | None, "of few rigid blocks"] = None
 
 
-class Tie(SummaryTable):
+class TieTension(SummaryTable):
     """The tension that a tie had to bear."""
 
     name: Annotated[str, "its name, or those of its blocks"] = ""
@@ -258,7 +258,7 @@ class JointCounts(SummaryTable):
     sliding_max: Annotated[Metres, "farthest sliding of a joint at any time"] = 0.0
 
 
-class Shock(JointCounts):
+class ShockDamage(JointCounts):
     """The damage after a shock of a sequence and its rest, that of earlier ones included."""
 
     name: Annotated[str, "of the shock"] = ""
@@ -342,7 +342,7 @@ class StressPeak(SummaryTable):
     tension_max_time: Annotated[Seconds, "when"] = 0.0
 
 
-class ElementStress(StressPeak):
+class ElementStressSummary(StressPeak):
     """Stress of the elements of meshed blocks."""
 
     count: Annotated[Count, "elements"] = 0
@@ -353,7 +353,7 @@ class ElementStress(StressPeak):
     blocks_above_names: Annotated[tuple[str, ...], "the gravest of these"] = ()
 
 
-class RunStress(StressPeak):
+class StressSummary(StressPeak):
     """Stress of blocks, means over the time between frames, and of joints at their edges."""
 
     interval: Annotated[Seconds, "between frames"] = 0.0
@@ -363,7 +363,7 @@ class RunStress(StressPeak):
     edge_max_joint: Annotated[Count | None, "in which joint"] = None
     edge_max_blocks: Annotated[tuple[str, ...], "its blocks"] = ()
     strength: Annotated[Strength | None, "against the strength, where it is known"] = None
-    elements: Annotated[ElementStress | None, "of meshed blocks"] = None
+    elements: Annotated[ElementStressSummary | None, "of meshed blocks"] = None
 
 
 class PartInShort(SummaryTable):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.analysis import LimitOptions
 from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import pressure
@@ -34,7 +34,7 @@ BY = {"boussinesq": "by Boussinesq's line load", "2:1": "2:1"}
 
 
 @dataclass(frozen=True)
-class Row:
+class AssumedRow:
     """The load factor under an assumption."""
 
     assumed: str  # scene, bond, crushing, fill, walls, rings, spread or together
@@ -61,10 +61,10 @@ class Row:
 class Assumed:
     """Assumptions on which a load factor rests: a row for each, of a bridge the scene's own first."""
 
-    rows: tuple[Row, ...] = ()
+    rows: tuple[AssumedRow, ...] = ()
 
     @property
-    def decides(self) -> Row | None:
+    def decides(self) -> AssumedRow | None:
         """The row that the verdict takes in place of the scene's own; None: that one holds."""
         lower = [row for row in self.rows if row.counts and _is_lower(row, self.rows[0].factor)]
         return min(lower, key=lambda row: row.factor or 0.0, default=None)
@@ -110,7 +110,7 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
     in_plane = analysis.problem.axis is not None  # in space the places of each row take too long: it has the one that the scene has
     place = None if crossing is None else float(crossing.position[crossing.worst])
     factor, why = (None, ENDLESS) if analysis.endless else (analysis.governing.factor, "")
-    own = Row(SCENE, f"as computed, {_in_words(structure)}", factor, why, position=place)
+    own = AssumedRow(SCENE, f"as computed, {_in_words(structure)}", factor, why, position=place)
     changed = [*_of_joints(structure), *_of_fill(structure, whole.loads.kind != "live")]
     rows = [_row(whole, crossing if in_plane else None, *one) for one in changed]
     lower = [one for one, row in zip(changed, rows, strict=True) if row.counts and _is_lower(row, own.factor)]
@@ -119,7 +119,7 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
     return Assumed((own, *(replace(row, position=place) if row.position is None else row for row in rows)))
 
 
-def against(structure: LimitStructure, lowers: Callable[[LimitStructure], bool]) -> tuple[Row, LimitStructure] | None:
+def against(structure: LimitStructure, lowers: Callable[[LimitStructure], bool]) -> tuple[AssumedRow, LimitStructure] | None:
     """A bridge under live load with all that its scene leaves open assumed against it, and the row of that without its factor.
 
     Args:
@@ -134,16 +134,16 @@ def against(structure: LimitStructure, lowers: Callable[[LimitStructure], bool])
     return _together(structure, lower) if lower else None
 
 
-def _together(structure: LimitStructure, changes: Sequence[tuple[Row, LimitStructure]]) -> tuple[Row, LimitStructure]:
+def _together(structure: LimitStructure, changes: Sequence[tuple[AssumedRow, LimitStructure]]) -> tuple[AssumedRow, LimitStructure]:
     """A structure with several changes, each of something else, and their row."""
     both = structure
     for _, other in changes:
         both = _merged(both, structure, other)
     words, key = " and ".join(row.words for row, _ in changes), " ".join(row.key for row, _ in changes)
-    return Row(TOGETHER, words, None, key=key, counts=True), both
+    return AssumedRow(TOGETHER, words, None, key=key, counts=True), both
 
 
-def _is_lower(row: Row, own: float | None) -> bool:
+def _is_lower(row: AssumedRow, own: float | None) -> bool:
     return row.factor is not None and (own is None or row.factor < (1.0 - LOWER) * own)
 
 
@@ -160,20 +160,23 @@ def _merged(one: LimitStructure, built: LimitStructure, other: LimitStructure) -
     return replace(one, made=one.made._replace(fills=fills), assembly=assembly)
 
 
-def _of_joints(structure: LimitStructure) -> Iterator[tuple[Row, LimitStructure]]:
+def _of_joints(structure: LimitStructure) -> Iterator[tuple[AssumedRow, LimitStructure]]:
     """Rows of what joints are assumed to do, without their factors, and the structures of which they are."""
     assembly, laws, material = structure.assembly, structure.assembly.laws, structure.scene.material
     if laws.apex.any():
-        yield Row("bond", "without the bond of its joints", None), replace(structure, assembly=replace(assembly, laws=laws.unbonded()))
+        yield (
+            AssumedRow("bond", "without the bond of its joints", None),
+            replace(structure, assembly=replace(assembly, laws=laws.unbonded())),
+        )
     if laws.crushing.any():
-        row = Row("crushing", "without crushing, of joints of any strength", None)
+        row = AssumedRow("crushing", "without crushing, of joints of any strength", None)
         yield row, replace(structure, assembly=replace(assembly, laws=replace(laws, crushing=0.0 * laws.crushing)))
     elif structure.made.fills:
         named, (strength, source) = material.masonry, strength_of(structure)
         words = f"with joints that crush at {pressure(strength)} ({source})"
         crushing = replace(laws, crushing=np.full_like(laws.crushing, strength))
         open_ = named is None or "crushing" not in named.model_fields_set
-        row = Row("crushing", words, None, key=f"material.joints.compressive_strength={strength:g}", counts=open_)
+        row = AssumedRow("crushing", words, None, key=f"material.joints.compressive_strength={strength:g}", counts=open_)
         yield row, replace(structure, assembly=replace(assembly, laws=crushing))
 
 
@@ -185,32 +188,32 @@ def strength_of(structure: LimitStructure) -> tuple[float, str]:
     return (STRENGTH, f"{BRICK.kind}, assumed") if named is None else (named.strength, named.kind)
 
 
-def against_fill(structure: LimitStructure) -> tuple[Row, LimitStructure] | None:
+def against_fill(structure: LimitStructure) -> tuple[AssumedRow, LimitStructure] | None:
     """A bridge under live load whose fill does not resist, where its scene leaves that open, and the row of it."""
     return next((one for one in _of_fill(structure, False) if one[0].assumed == "fill" and one[0].counts), None)
 
 
-def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[Row, LimitStructure]]:
+def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[AssumedRow, LimitStructure]]:
     """Likewise of what fill is assumed to do, and of walls."""
     name, fills, scene = "passive_shaken" if shaken else "passive", structure.made.fills, structure.scene
     open_, where = not all(_states(scene, fill, name) for fill in fills), fills[0].where
     if any(getattr(fill, name) > 0.0 for fill in fills):
-        row = Row("fill", "without passive pressure of the fill", None, key=f"{where}.{name}=0", counts=open_)
+        row = AssumedRow("fill", "without passive pressure of the fill", None, key=f"{where}.{name}=0", counts=open_)
         yield row, _with_fills(structure, **{name: 0.0})
     if any(getattr(fill, name) < 1.0 for fill in fills):
-        yield Row("fill", "with all of K_p", None, key=f"{where}.{name}=1"), _with_fills(structure, **{name: 1.0})
+        yield AssumedRow("fill", "with all of K_p", None, key=f"{where}.{name}=1"), _with_fills(structure, **{name: 1.0})
     if "walls" in scene.structure:
         bare = replace(scene, structure={key: value for key, value in scene.structure.items() if key != "walls"})
-        yield Row("walls", "without spandrel walls", None, key="without structure.walls"), limit_structure(bare)
+        yield AssumedRow("walls", "without spandrel walls", None, key="without structure.walls"), limit_structure(bare)
     ringed = [i for i, span in enumerate(scene.structure.get("spans") or ()) if span.get("rings", 1) > 1]
     if ringed:
         spans = [{**span, "rings": 1} for span in scene.structure["spans"]]
         one = limit_structure(replace(scene, structure={**scene.structure, "spans": spans}))
-        yield Row("rings", "with rings that are one", None, key=" ".join(f"structure.spans[{i}].rings=1" for i in ringed)), one
+        yield AssumedRow("rings", "with rings that are one", None, key=" ".join(f"structure.spans[{i}].rings=1" for i in ringed)), one
     if any(load.get("kind") == "vehicle" for load in scene.loads):
         other = "2:1" if fills[0].spread == "boussinesq" else "boussinesq"
         open_ = not all(_states(scene, fill, "spread") for fill in fills)
-        row = Row("spread", f"with wheels spread {BY[other]}", None, key=f"{where}.spread={other}", counts=open_)
+        row = AssumedRow("spread", f"with wheels spread {BY[other]}", None, key=f"{where}.spread={other}", counts=open_)
         yield row, _with_fills(structure, spread=other)
 
 
@@ -240,11 +243,11 @@ def _in_words(structure: LimitStructure) -> str:
     return ", ".join([*said, "joints that crush" if structure.assembly.laws.crushing.any() else "joints of any strength"])
 
 
-def _row(whole: WholeAnalysis, crossing: Crossing | None, row: Row, changed: LimitStructure) -> Row:
+def _row(whole: WholeAnalysis, crossing: Crossing | None, row: AssumedRow, changed: LimitStructure) -> AssumedRow:
     """A row with its factor, 0 where the structure does not stand; or with why there is no finite one."""
     how = replace(whole.how, begins_at_parts=False)
     if not changed.made.fills:
-        how = replace(how, analysis=Options(starts=0), most=0)  # the associated factor alone, a programme each
+        how = replace(how, analysis=LimitOptions(starts=0), most=0)  # the associated factor alone, a programme each
     try:
         if crossing is not None:
             first = float(crossing.position[crossing.worst])

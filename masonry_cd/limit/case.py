@@ -17,7 +17,7 @@ from masonry_cd.analysis.code_check.check import borne_by_another, with_borne
 from masonry_cd.analysis.code_check.ground import Ground, ground_of
 from masonry_cd.analysis.code_check.level import foundation_of
 from masonry_cd.analysis.code_check.site import known_at
-from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, Verdict, refused, undecided, worst
+from masonry_cd.analysis.code_check.verdicts import NO_SEARCH, CheckVerdict, refused, undecided, worst
 from masonry_cd.analysis.limit.descent import watched
 from masonry_cd.analysis.limit.found import says_the_same
 from masonry_cd.analysis.limit.macro import ElementAnalysis
@@ -29,7 +29,7 @@ from masonry_cd.app.summary import masses
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.assumed import Assumed, assumed
 from masonry_cd.limit.checked import Checked, checked, gravest, in_order, way_words, weakest_of
-from masonry_cd.limit.kept import Kept
+from masonry_cd.limit.kept import KeptParts
 from masonry_cd.limit.parts import along, analysed, asked_for, effort_of, in_pieces, whole_of
 from masonry_cd.limit.rating import Rating, rating, refuse_rating
 from masonry_cd.limit.search import doubt_of, search_numbers, ways
@@ -55,7 +55,7 @@ GAP = 1e-8  # share of the width of a structure from which on gaps of its joints
 
 
 @dataclass(frozen=True)
-class Wanted:
+class WantedMechanisms:
     """Mechanisms and parts to look at in addition to those that the scene asks for.
 
     Attributes:
@@ -78,7 +78,7 @@ class LimitCase:
     """A scene and its limit analysis."""
 
     structure: LimitStructure  # with the scene
-    wanted: Wanted
+    wanted: WantedMechanisms
     ground: Ground | None  # whose motion a check asks for; None without one
     whole: WholeAnalysis | None  # None where the scene multiplies nothing and parts alone are looked at
     crossing: Crossing | None  # of a vehicle whose worst place was looked for
@@ -114,7 +114,7 @@ class LimitCase:
         return service(self.structure, self.wanted.quiet)
 
     @cached_property
-    def verdict(self) -> Verdict | None:
+    def verdict(self) -> CheckVerdict | None:
         """The verdict that all outputs show; None without a check."""
         return None if self.structure.asked.check is None else _verdict(self)
 
@@ -143,8 +143,8 @@ class LimitCase:
 def limit_case(
     source: Scene | Path | str,
     changes: Sequence[str] = (),
-    wanted: Wanted | None = None,
-    keep: Callable[[LimitStructure], Kept] | None = None,
+    wanted: WantedMechanisms | None = None,
+    keep: Callable[[LimitStructure], KeptParts] | None = None,
 ) -> LimitCase:
     """Analyse a scene.
 
@@ -157,7 +157,7 @@ def limit_case(
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    begin, wanted = time.perf_counter(), wanted or Wanted()
+    begin, wanted = time.perf_counter(), wanted or WantedMechanisms()
     scene = source if isinstance(source, Scene) else read_scene(source, changes)
     with_parts = wanted.parts or bool(scene.limit.get("mechanism"))
     structure, crossing = limit_structure(scene), None
@@ -183,7 +183,7 @@ def limit_case(
 
 
 def _parts(
-    structure: LimitStructure, ground: Ground | None, wanted: Wanted, keep: Callable[[LimitStructure], Kept] | None
+    structure: LimitStructure, ground: Ground | None, wanted: WantedMechanisms, keep: Callable[[LimitStructure], KeptParts] | None
 ) -> tuple[list[ElementAnalysis], list[Checked], list[str]]:
     """The macro-elements that a scene asks for, each under its pushes, their mechanisms with checks on a ground, and notes on them.
 
@@ -219,7 +219,7 @@ def _remarks(parts: Sequence[ElementAnalysis]) -> list[str]:
 
 
 def _whole(
-    structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: Wanted
+    structure: LimitStructure, parts: Sequence[ElementAnalysis], wanted: WantedMechanisms
 ) -> tuple[WholeAnalysis, list[ElementAnalysis], list[str]]:
     """The whole under the load of its scene, what is known of its mechanisms: its own, and without ``parts`` those of rigid bodies of its
     parts that may go along the push; and notes on these parts.
@@ -292,7 +292,7 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
     heights_along_z("limit.check", gravity)
 
 
-def _verdict(case: LimitCase) -> Verdict:
+def _verdict(case: LimitCase) -> CheckVerdict:
     """The verdict of the gravest mechanism, on those that no check could be made of, on parts that the solver has no answer for, and on a
     whole that has no load factor at which a mechanism would start.
 
@@ -313,7 +313,7 @@ def _verdict(case: LimitCase) -> Verdict:
     return worst(found) or undecided("no part has a mechanism below the largest factor that is looked for")
 
 
-def _unchecked(analysis: Analysis) -> Verdict:
+def _unchecked(analysis: Analysis) -> CheckVerdict:
     """The verdict on a structure that has no load factor at which a mechanism would start."""
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")

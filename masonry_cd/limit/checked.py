@@ -17,18 +17,18 @@ import numpy as np
 
 from masonry_cd.analysis.code_check.check import check_at
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.level import Level, foundation_of, level_of
+from masonry_cd.analysis.code_check.level import HeldLevel, foundation_of, level_of
 from masonry_cd.analysis.code_check.verdicts import (
     LINEAR,
     NON_LINEAR,
     WORST_FIRST,
     CheckResult,
-    Verdict,
+    CheckVerdict,
     held_words,
     how_grave,
     verdict_of,
 )
-from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.found import FoundMechanism
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.foundation.quantities import length
 
@@ -45,8 +45,8 @@ class Checked:
     """A mechanism of a part, and its check where one is asked for."""
 
     part: ElementAnalysis
-    one: Found
-    level: Level | None
+    one: FoundMechanism
+    level: HeldLevel | None
     check: CodeCheck | None
     no_displacement: str = ""  # why there is no check by displacements, where one is asked for
 
@@ -126,7 +126,7 @@ class Checked:
             by = f" ({self.decides.check})"
         return f"{of}: {self.decides.state}{by}, ratio {self.decides.ratio:.3g}: {a0}, {'; '.join(asked)}: {self.one.name}"
 
-    def verdict(self) -> Verdict:
+    def verdict(self) -> CheckVerdict:
         """The verdict that this mechanism gives."""
         assert self.check is not None
         return verdict_of(self.check.verdicts, self.row, self.part.numbers)
@@ -174,7 +174,7 @@ def _unread_alike(rows: list[Checked]) -> list[Checked]:
     return [replace(row, check=row.check.without_displacements(why)) if row.check and row.one.mechanism is None else row for row in rows]
 
 
-def _no_displacement(one: Found) -> str:
+def _no_displacement(one: FoundMechanism) -> str:
     """Why a mechanism has no check by displacements."""
     if one.mechanism is None:
         return "another mechanism of this part and push has a smaller a0* and is held as high: that one is followed"

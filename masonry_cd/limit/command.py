@@ -10,13 +10,13 @@ from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result
 from masonry_cd.app.scene import Scene
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.case import LimitCase, Wanted, limit_case
-from masonry_cd.limit.kept import NAME, Kept
+from masonry_cd.limit.case import LimitCase, WantedMechanisms, limit_case
+from masonry_cd.limit.kept import NAME, KeptParts
 from masonry_cd.limit.words import lines
 
 
 @dataclass(frozen=True)
-class Files:
+class LimitFiles:
     """The folder for the files of an analysis, and what is written there.
 
     Attributes:
@@ -36,7 +36,7 @@ class Files:
     run: Path | None = None
 
 
-def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[LimitCase]:
+def limit(scene: Scene, wanted: WantedMechanisms, files: LimitFiles | None = None) -> Result[LimitCase]:
     """Analyse a scene and write what was found.
 
     Args:
@@ -55,13 +55,13 @@ def limit(scene: Scene, wanted: Wanted, files: Files | None = None) -> Result[Li
     from masonry_cd.limit.files import write
 
     folder, resume = files.folder, files.resume
-    case = limit_case(scene, wanted=wanted, keep=lambda structure: Kept.to(folder, structure, resume))
+    case = limit_case(scene, wanted=wanted, keep=lambda structure: KeptParts.to(folder, structure, resume))
     written = write(case, folder, files.pictures, files.view, files.run)
     (folder / NAME).unlink(missing_ok=True)
     return Result(case, lines(case), case.notes, written)
 
 
-def _refuse_files(scene: Scene, wanted: Wanted, files: Files) -> None:
+def _refuse_files(scene: Scene, wanted: WantedMechanisms, files: LimitFiles) -> None:
     """Refuse folders and views before anything is computed.
 
     Raises:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.analysis import LimitOptions
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words, length
@@ -23,7 +23,7 @@ CURVE_OUTPUTS = ("capacity.csv", "capacity.json", "capacity.png")
 COLUMNS = ("point", "displacement_m", "factor", "associated_factor", "moving_blocks", "hinges", "slides", "changed")
 
 
-def follow(table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options) -> CapacityCurve:
+def follow(table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticLoads, options: LimitOptions) -> CapacityCurve:
     """The capacity curve that a table asks for.
 
     Raises:

@@ -45,7 +45,7 @@ READ = {  # what a record may consist of, by its module
 
 
 @dataclass
-class Kept:
+class KeptParts:
     """The parts of an analysis that are done, in a folder, which is made with the first of them."""
 
     folder: Path
@@ -55,7 +55,7 @@ class Kept:
     others: int = 0  # records of another scene, other blocks or another version, which are of no use
 
     @classmethod
-    def to(cls, folder: Path, structure: LimitStructure, resume: bool) -> Kept:
+    def to(cls, folder: Path, structure: LimitStructure, resume: bool) -> KeptParts:
         """The parts kept in a folder where an analysis is to be resumed; none of a new one.
 
         Raises:

@@ -32,7 +32,7 @@ from structures.macro_elements.element import AROUND, HORIZONTAL_BENDING, OVERTU
 if TYPE_CHECKING:
     from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.app.static_loads import StaticLoads
-    from masonry_cd.limit.kept import Kept
+    from masonry_cd.limit.kept import KeptParts
 
 STARTS = 2  # of the free search within a part, in addition to those at the mechanisms of practice
 SEARCHED = 2_500  # contact points of a part up to which it is made by default: some 10 s of processor time for a push
@@ -82,7 +82,7 @@ def named_in(structure: LimitStructure) -> list[MacroElement]:
 
 
 def analysed(
-    whole: Whole, pushes: Sequence[Push], effort: Effort, how: tuple[int, bool], kept: Kept | None = None
+    whole: Whole, pushes: Sequence[Push], effort: Effort, how: tuple[int, bool], kept: KeptParts | None = None
 ) -> Iterator[ElementAnalysis]:
     """Analyse parts, in their order.
 

@@ -19,7 +19,7 @@ from masonry_cd.limit.facts import of_the_whole
 from masonry_cd.limit.whole import THE_WHOLE
 from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing.figure import Sheet
-from reports.limit.picture import Subject, mechanism_scene, thrust_scene
+from reports.limit.picture import LimitSubject, mechanism_scene, thrust_scene
 
 if TYPE_CHECKING:
     from masonry_cd.limit.case import LimitCase
@@ -34,7 +34,7 @@ def draw_whole(whole: WholeAnalysis, title: str, folder: Path, view: str = "auto
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    what, words = Subject(whole.collapse.mechanism, whole.assembly.blocks, whole.joints, whole.ties), _words(whole)
+    what, words = LimitSubject(whole.collapse.mechanism, whole.assembly.blocks, whole.joints, whole.ties), _words(whole)
     Sheet.drawn(mechanism_scene(what, f"{title}: mechanism", words, view)).save(folder / "mechanism.png")
     if not whole.analysis.stands:
         return [folder / "mechanism.png"]
@@ -103,7 +103,7 @@ def _under(case: LimitCase, moves: Mechanism) -> np.ndarray:
     return np.unique(lower[some][moves.moving[upper[some]] & ~moves.moving[lower[some]]])
 
 
-def _subject(case: LimitCase, moves: Mechanism, blocks: np.ndarray) -> Subject:
+def _subject(case: LimitCase, moves: Mechanism, blocks: np.ndarray) -> LimitSubject:
     """The blocks of a part, those that move with it and those on which they stand, in their mechanism; what else is held would hide them.
 
     Without forces.
@@ -122,4 +122,4 @@ def _subject(case: LimitCase, moves: Mechanism, blocks: np.ndarray) -> Subject:
     part = replace(
         moves, velocity=moves.velocity[shown], speed=moves.speed[shown], **{name: getattr(moves, name)[between] for name in of_joints}
     )
-    return Subject(part, [case.structure.assembly.blocks[b] for b in shown], some)
+    return LimitSubject(part, [case.structure.assembly.blocks[b] for b in shown], some)

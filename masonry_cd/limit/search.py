@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from masonry_cd.analysis.limit.analysis import Analysis, Options
+from masonry_cd.analysis.limit.analysis import Analysis, LimitOptions
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.outcome import SearchNumbers
 from masonry_cd.analysis.limit.problem import plane_of
@@ -30,8 +30,8 @@ ASK = "limit.starts = 2 does"
 class SearchSettings:
     """How to solve."""
 
-    analysis: Options
-    curve: Options  # of the points of a capacity curve
+    analysis: LimitOptions
+    curve: LimitOptions  # of the points of a capacity curve
     most: int  # starts to which the search of the analysis goes on until some agree
     begins_at_parts: bool  # whether it begins at mechanisms of parts that practice looks at as well
 
@@ -45,7 +45,7 @@ def ways(structure: LimitStructure, loads: StaticLoads) -> SearchSettings:
     asked, seed = structure.asked, structure.scene.run.seed
     planar = plane_of(structure.assembly, loads.at()) is not None
     usual = asked.starts if asked.starts is not None else STARTS if planar else 0
-    options = Options(usual, seed)
+    options = LimitOptions(usual, seed)
     if asked.starts is not None or planar or asked.check is None:
         return SearchSettings(options, options, usual, not planar and usual > 1)
     small = interfaces(structure.assembly, structure.joints, None).count <= SEARCHED

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse, with_more_starts
+from masonry_cd.analysis.limit.analysis import Analysis, Collapse, LimitOptions, analyse, with_more_starts
 from masonry_cd.analysis.limit.candidates import Source, candidates, with_mechanisms, with_overturning, with_untied
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.crushed import CrushedJoint, LittleLeft, crushed_joints, little_left
-from masonry_cd.analysis.limit.found import Found, gravest_followed
+from masonry_cd.analysis.limit.found import FoundMechanism, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.macro import ElementAnalysis
 from masonry_cd.analysis.limit.oscillator import BY_CURVE, Oscillator, oscillator
@@ -144,7 +144,7 @@ def _with_shaken_fill(structure: LimitStructure, loads: StaticLoads) -> StaticLo
     if loads.kind != "push" or not structure.made.fills:
         return loads
     known = list[tuple[float, float]]()  # factors by which the fill is shaken, and by how much more is borne
-    by, alone = 0.0, Options(starts=0)
+    by, alone = 0.0, LimitOptions(starts=0)
     for _ in range(TURNS):
         analysis = _analysed(structure, loads, alone)
         if not analysis.stands or analysis.unlimited:
@@ -158,7 +158,7 @@ def _with_shaken_fill(structure: LimitStructure, loads: StaticLoads) -> StaticLo
     raise InputError("limit.push", f"the factor at which the fill is shaken by it is not found in {TURNS} rounds")
 
 
-def _analysed(structure: LimitStructure, loads: StaticLoads, options: Options) -> Analysis:
+def _analysed(structure: LimitStructure, loads: StaticLoads, options: LimitOptions) -> Analysis:
     """The limit analysis; of a tilt with loads that do not turn with it, at the angle that belongs to its own factor."""
     assembly, joints = structure.assembly, structure.joints
     if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
@@ -211,14 +211,14 @@ def as_part(whole: WholeAnalysis) -> ElementAnalysis:
     return ElementAnalysis(element, way, tuple(found), points, 0.0, (), numbers, doubt(analysis), words)
 
 
-def _followed(whole: WholeAnalysis, part: FreedPart, found: Sequence[Found]) -> list[Found]:
+def _followed(whole: WholeAnalysis, part: FreedPart, found: Sequence[FoundMechanism]) -> list[FoundMechanism]:
     """The mechanisms, the gravest with the displacement at which their factor vanishes: by the capacity curve where that is known or in a
     plane, where hinges may pass to other joints, else as linkages of bodies."""
     if reason := at_start_only(whole.assembly.laws):
         return [replace(one, oscillator=replace(one.oscillator, end=reason)) for one in found]
     linked = part_of(part.whole, part.free, np.asarray(whole.loads.direction))
 
-    def follow(k: int, one: Found) -> Oscillator:
+    def follow(k: int, one: FoundMechanism) -> Oscillator:
         made = one.oscillator if one.oscillator.doubt else _by_the_curve(whole, part, one) if k == 0 else None
         if made is not None and (made.doubt or made.falls):
             return made
@@ -227,7 +227,7 @@ def _followed(whole: WholeAnalysis, part: FreedPart, found: Sequence[Found]) -> 
     return gravest_followed(found, follow)
 
 
-def _by_the_curve(whole: WholeAnalysis, part: FreedPart, one: Found) -> Oscillator | None:
+def _by_the_curve(whole: WholeAnalysis, part: FreedPart, one: FoundMechanism) -> Oscillator | None:
     """The oscillator of a mechanism by the capacity curve of the structure; None where that is not known and expensive."""
     assert one.mechanism is not None
     curve, moves = whole.curve, one.mechanism

@@ -17,7 +17,7 @@ from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.strengthen_table import StrengthenTable
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.case import Wanted, has_pattern, heights_along_z
+from masonry_cd.limit.case import WantedMechanisms, has_pattern, heights_along_z
 from masonry_cd.limit.checked import way_words
 from masonry_cd.limit.parts import asked_for, whole_of
 from masonry_cd.limit.whole import THE_WHOLE
@@ -32,7 +32,7 @@ Rows = Sequence[Mapping[str, Any]]  # tables [[structure.ties]]
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class StrengtheningTask:
     """The question."""
 
     scene: Scene  # whose limit analyses are by accelerations, and search for the least factor
@@ -46,14 +46,14 @@ class Asked:
     candidates: Candidates
     notes: tuple[str, ...]
 
-    def analyses(self, rows: Rows) -> Iterator[tuple[Scene, Wanted]]:
+    def analyses(self, rows: Rows) -> Iterator[tuple[Scene, WantedMechanisms]]:
         """The limit analyses of the structure with more ties: the whole under each push, and the macro-elements."""
         made = replace(self.scene, structure=self.scene.structure | {"ties": [*self.scene.structure.get("ties", ()), *rows]})
         own = {key: value for key, value in made.limit.items() if key not in ("push", "tilt", "live", "mechanism")}
         for push in self.pushes:
-            yield replace(made, limit=own | {"push": list(push)}), Wanted()
+            yield replace(made, limit=own | {"push": list(push)}), WantedMechanisms()
         if self.with_parts:
-            yield made, Wanted(self.table.macro_elements, whole=False)
+            yield made, WantedMechanisms(self.table.macro_elements, whole=False)
 
     def parts(self, whole: Whole) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
         """A part for associated sliding: its name with the push, the blocks that are free (B,), and the direction (3,)."""
@@ -69,7 +69,7 @@ class Asked:
         return replace(own, bars=Bars(*(np.concatenate([getattr(own.bars, name), getattr(more, name)]) for name in names)))
 
 
-def asked_of(scene: Scene) -> Asked:
+def asked_of(scene: Scene) -> StrengtheningTask:
     """The question that a scene asks.
 
     Raises:
@@ -106,7 +106,7 @@ def asked_of(scene: Scene) -> Asked:
         with_parts = table.macro_elements or bool(structure.asked.mechanism)
         if not pushes and not with_parts:
             raise InputError("strengthen", 'nothing to strengthen against; give pushes = ["x"], limit.push, or macro_elements = true')
-    return Asked(scene, structure, table, goal, pushes, with_parts, rows, lengths, candidates, (*notes, *more))
+    return StrengtheningTask(scene, structure, table, goal, pushes, with_parts, rows, lengths, candidates, (*notes, *more))
 
 
 def _pushes(table: StrengthenTable, structure: LimitStructure) -> tuple[tuple[float, float, float], ...]:

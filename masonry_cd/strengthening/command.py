@@ -9,14 +9,14 @@ from pathlib import Path
 from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result, Say, silent
 from masonry_cd.app.scene import Scene, parse_scene
-from masonry_cd.strengthening.design import Strengthening, strengthened
+from masonry_cd.strengthening.design import StrengtheningDesign, strengthened
 from masonry_cd.strengthening.facts import facts, lines
 
 SHAKEN = "shaken"  # folder of the runs
 
 
 @dataclass(frozen=True)
-class Files:
+class StrengtheningFiles:
     """The folder for the files of a strengthening, and what is written there.
 
     Attributes:
@@ -36,7 +36,7 @@ class Files:
     quiet: bool = True
 
 
-def strengthen(scene: Scene, files: Files | None = None, say: Say = silent) -> Result[Strengthening]:
+def strengthen(scene: Scene, files: StrengtheningFiles | None = None, say: Say = silent) -> Result[StrengtheningDesign]:
     """Find the least ties that bring a scene to its target, and write what was found.
 
     Args:
@@ -68,14 +68,14 @@ def strengthen(scene: Scene, files: Files | None = None, say: Say = silent) -> R
     return Result(made, shown, found["notes"], written)
 
 
-def _shaken(made: Strengthening, files: Files, say: Say) -> tuple[list[Path], list[str]]:
+def _shaken(made: StrengtheningDesign, files: StrengtheningFiles, say: Say) -> tuple[list[Path], list[str]]:
     """The runs of the scene before and after, the files of their comparison, and it as lines."""
-    from masonry_cd.app.commands.run import Asked, run
+    from masonry_cd.app.commands.run import RunRequest, run
     from masonry_cd.strengthening.files import scene_text
     from reports.compare.comparison import compare, markdown, write_comparison
 
     scene, place = made.asked.scene, files.folder / SHAKEN
     for name, rows in (("before", []), ("after", made.rows)):
-        run(parse_scene(scene_text(scene, rows), scene.path), place / name, Asked(force=files.force, quiet=files.quiet), say)
+        run(parse_scene(scene_text(scene, rows), scene.path), place / name, RunRequest(force=files.force, quiet=files.quiet), say)
     found = compare([place / "before", place / "after"], ["before", "after"])
     return write_comparison(found, place), markdown(found).splitlines()

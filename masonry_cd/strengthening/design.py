@@ -17,16 +17,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.found import FoundMechanism
 from masonry_cd.analysis.limit.solution import Unbounded
-from masonry_cd.analysis.limit.strengthening import Cut, Least, OutOfReach, associated, cut_of, falling, least_forces
+from masonry_cd.analysis.limit.strengthening import EarlyMechanism, Least, OutOfReach, associated, cut_of, falling, least_forces
 from masonry_cd.app.result import Say, silent
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.strengthen_table import BarTable
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import LimitCase, limit_case
 from masonry_cd.limit.checked import Checked, way_words
-from masonry_cd.strengthening.asked import Asked, asked_of
+from masonry_cd.strengthening.asked import StrengtheningTask, asked_of
 
 MARGIN = 1e-3  # share of the target by which cuts ask for more, so that what is solved to a tolerance reaches it
 ROUNDS = 60  # of cuts at most
@@ -36,7 +36,7 @@ Cases = tuple[LimitCase, ...]  # the whole under each push, then macro-elements
 
 
 @dataclass(frozen=True, eq=False)
-class Tie:
+class DesignTie:
     """A tie of the design."""
 
     number: int  # of the candidate
@@ -49,17 +49,17 @@ class Tie:
 
 
 @dataclass(frozen=True, eq=False)
-class Strengthening:
+class StrengtheningDesign:
     """The least ties that bring a scene to its target."""
 
-    asked: Asked
+    asked: StrengtheningTask
     least: Least
-    ties: tuple[Tie, ...]
+    ties: tuple[DesignTie, ...]
     cost: float  # with bars
     before: tuple[LimitCase, ...]  # the whole under each push, then macro-elements
     with_least: tuple[LimitCase, ...]  # with the least forces
     after: tuple[LimitCase, ...]  # with bars
-    cuts: tuple[Cut, ...]
+    cuts: tuple[EarlyMechanism, ...]
     seconds: float
 
     @property
@@ -73,7 +73,7 @@ class Strengthening:
         return rows_of(self.asked, [(tie.number, tie.bar.diameter, tie.yields) for tie in self.ties])
 
 
-def strengthened(scene: Scene, say: Say = silent) -> Strengthening:
+def strengthened(scene: Scene, say: Say = silent) -> StrengtheningDesign:
     """Find the least ties that a scene asks for.
 
     Raises:
@@ -84,7 +84,7 @@ def strengthened(scene: Scene, say: Say = silent) -> Strengthening:
         return _designed(asked, begin, say)
 
 
-def _designed(asked: Asked, begin: float, say: Say) -> Strengthening:
+def _designed(asked: StrengtheningTask, begin: float, say: Say) -> StrengtheningDesign:
     """The least ties, of a question that was asked at a time ``begin`` [s].
 
     Raises:
@@ -109,21 +109,21 @@ def _designed(asked: Asked, begin: float, say: Say) -> Strengthening:
         raise _no_end()
     ties = tuple(_ties(asked, least, chosen))
     cost = sum(tie.cost for tie in ties)
-    return Strengthening(asked, least, ties, cost, before, found, after, tuple(cuts), time.perf_counter() - begin)
+    return StrengtheningDesign(asked, least, ties, cost, before, found, after, tuple(cuts), time.perf_counter() - begin)
 
 
-def rows_of(asked: Asked, ties: Sequence[tuple[int, float, float]]) -> list[dict[str, object]]:
+def rows_of(asked: StrengtheningTask, ties: Sequence[tuple[int, float, float]]) -> list[dict[str, object]]:
     """Tables ``[[structure.ties]]`` of candidates by number, diameter [m] and yield force [N]."""
     return [dict(asked.rows[i]) | {"diameter": diameter, "yield_force": force} for i, diameter, force in ties]
 
 
-def _analysed(asked: Asked, force: np.ndarray) -> tuple[LimitCase, ...]:
+def _analysed(asked: StrengtheningTask, force: np.ndarray) -> tuple[LimitCase, ...]:
     """The limit analyses with candidates of yield forces (N,)."""
     rows = rows_of(asked, [(int(i), next_up(asked, float(force[i])).diameter, float(force[i])) for i in np.flatnonzero(force)])
     return tuple(limit_case(scene, wanted=wanted) for scene, wanted in asked.analyses(rows))
 
 
-def _associated(asked: Asked, cuts: list[Cut]) -> tuple[Least, list[Cut]]:
+def _associated(asked: StrengtheningTask, cuts: list[EarlyMechanism]) -> tuple[Least, list[EarlyMechanism]]:
     """The forces of least cost under which no associated mechanism starts below the target, and the cuts that say so.
 
     Raises:
@@ -143,7 +143,7 @@ def _no_end() -> InputError:
     return InputError("strengthen", f"no answer in {ROUNDS} rounds of cuts: fewer candidates?")
 
 
-def _early(asked: Asked, force: np.ndarray) -> Iterator[Cut]:
+def _early(asked: StrengtheningTask, force: np.ndarray) -> Iterator[EarlyMechanism]:
     """Cuts of associated mechanisms that start below the target, or fall, with candidates of yield forces (N,)."""
     whole, candidates = asked.whole(force), asked.candidates
     for name, free, way in asked.parts(whole):
@@ -158,7 +158,7 @@ def _early(asked: Asked, force: np.ndarray) -> Iterator[Cut]:
             yield cut_of(candidates, whole.assembly, found, force, (1.0 + MARGIN) * least, _named(asked, name, found))
 
 
-def _below(asked: Asked, cases: Sequence[LimitCase], force: np.ndarray) -> Iterator[Cut]:
+def _below(asked: StrengtheningTask, cases: Sequence[LimitCase], force: np.ndarray) -> Iterator[EarlyMechanism]:
     """Cuts of the mechanisms of limit analyses that start below the target, with candidates of yield forces (N,)."""
     early = [each for case in cases for each in counted(case) if each.one.oscillator.alpha < asked.goal.asked(each.one)]
     known = [each for each in early if each.one.mechanism is not None]
@@ -169,7 +169,7 @@ def _below(asked: Asked, cases: Sequence[LimitCase], force: np.ndarray) -> Itera
         yield cut_of(asked.candidates, asked.structure.assembly, each.one, force, (1.0 + MARGIN) * asked.goal.asked(each.one), words)
 
 
-def _named(asked: Asked, part: str, one: Found) -> str:
+def _named(asked: StrengtheningTask, part: str, one: FoundMechanism) -> str:
     """A mechanism of a part under a push, with the groups of the blocks that move."""
     assert one.mechanism is not None
     assembly = asked.structure.assembly
@@ -178,12 +178,12 @@ def _named(asked: Asked, part: str, one: Found) -> str:
     return f"{part}: {one.name} ({', '.join(groups)})"
 
 
-def next_up(asked: Asked, force: float) -> BarTable:
+def next_up(asked: StrengtheningTask, force: float) -> BarTable:
     """The weakest bar of the catalogue that bears a force [N]."""
     return next(bar for bar in asked.table.catalogue if (bar.yield_force or 0.0) >= (1.0 - SAME) * force)
 
 
-def _with_bars(asked: Asked, force: np.ndarray) -> np.ndarray:
+def _with_bars(asked: StrengtheningTask, force: np.ndarray) -> np.ndarray:
     """(N,) at which the next bars up, or their anchorages, yield for forces (N,) [N]."""
     found = np.zeros_like(force)
     for i in np.flatnonzero(force):
@@ -191,13 +191,13 @@ def _with_bars(asked: Asked, force: np.ndarray) -> np.ndarray:
     return found
 
 
-def _ties(asked: Asked, least: Least, yields: np.ndarray) -> Iterator[Tie]:
+def _ties(asked: StrengtheningTask, least: Least, yields: np.ndarray) -> Iterator[DesignTie]:
     """The ties of a design whose bars yield at (N,) [N]."""
     for i in map(int, np.flatnonzero(least.force)):
         bar, length = next_up(asked, float(least.force[i])), float(asked.lengths[i])
         by_force = float(asked.candidates.per_force[i]) * yields[i] if bar.price is None else bar.price * length
         cost = by_force + float(asked.candidates.anchors[i])
-        yield Tie(i, float(least.force[i]), bar, float(yields[i]), length, 1e3 * float(least.worth[i]), cost)
+        yield DesignTie(i, float(least.force[i]), bar, float(yields[i]), length, 1e3 * float(least.worth[i]), cost)
 
 
 def counted(case: LimitCase) -> list[Checked]:
@@ -205,7 +205,7 @@ def counted(case: LimitCase) -> list[Checked]:
     return [each for each in case.mechanisms if not each.one.stones]
 
 
-def _least(asked: Asked, cuts: Sequence[Cut]) -> Least:
+def _least(asked: StrengtheningTask, cuts: Sequence[EarlyMechanism]) -> Least:
     """The forces of least cost.
 
     Raises:

@@ -15,14 +15,14 @@ from masonry_cd.foundation.quantities import counted as number_of
 from masonry_cd.foundation.quantities import force
 from masonry_cd.limit.case import LimitCase
 from masonry_cd.limit.checked import Checked, way_words
-from masonry_cd.strengthening.asked import Asked
-from masonry_cd.strengthening.design import Strengthening, counted
+from masonry_cd.strengthening.asked import StrengtheningTask
+from masonry_cd.strengthening.design import StrengtheningDesign, counted
 
 STAGES = ("before", "with_least", "after")
 LISTED = 8  # ties and parts that the terminal names
 
 
-def facts(made: Strengthening) -> dict[str, Any]:
+def facts(made: StrengtheningDesign) -> dict[str, Any]:
     """The contents of strengthen.json."""
     from masonry_cd import __version__
 
@@ -50,7 +50,7 @@ def facts(made: Strengthening) -> dict[str, Any]:
     }
 
 
-def least_row(asked: Asked, rows: Sequence[Checked]) -> Checked | None:
+def least_row(asked: StrengtheningTask, rows: Sequence[Checked]) -> Checked | None:
     """The mechanism that starts earliest against what is asked of it; None of none."""
     return min(rows, key=lambda each: each.one.oscillator.alpha / asked.goal.asked(each.one), default=None)
 
@@ -65,7 +65,7 @@ def zeta_of(case: LimitCase, each: Checked) -> float | None:
     )
 
 
-def _table(made: Strengthening) -> list[dict[str, Any]]:
+def _table(made: StrengtheningDesign) -> list[dict[str, Any]]:
     """A row for each part and push: the mechanism that starts earliest before, with the least forces, and with bars."""
     found: dict[tuple[str, str], dict[str, Any]] = {}
     for stage in STAGES:
@@ -90,7 +90,7 @@ def _columns() -> list[str]:
     return [f"{name}_{stage}" for stage in STAGES for name in ("factor", "asked", "mechanism", "zeta_E", "state")]
 
 
-def _tie(made: Strengthening, k: int) -> dict[str, Any]:
+def _tie(made: StrengtheningDesign, k: int) -> dict[str, Any]:
     """A tie of the design."""
     tie = made.ties[k]
     keys = made.asked.rows[tie.number]
@@ -108,7 +108,7 @@ def _code_verdict(cases: Sequence[LimitCase]) -> str | None:
     return min(states, key=WORST_FIRST.index, default=None)
 
 
-def _stones(made: Strengthening) -> list[str]:
+def _stones(made: StrengtheningDesign) -> list[str]:
     """A line on stones of one course that slide by themselves below the target."""
     some = [each.one for case in made.after for each in case.mechanisms if each.one.stones]
     early = [one.oscillator.alpha for one in some if one.oscillator.alpha < made.asked.goal.asked(one)]
@@ -117,7 +117,7 @@ def _stones(made: Strengthening) -> list[str]:
     return [f"stones of one course slide by themselves from a load factor of {min(early):.4g} on: no tie holds them, and they do not count"]
 
 
-def _verdict(made: Strengthening, table: Sequence[dict[str, Any]]) -> Verdict:
+def _verdict(made: StrengtheningDesign, table: Sequence[dict[str, Any]]) -> Verdict:
     """The verdict on the design."""
     goal = made.asked.goal
     least = min((row["factor_after"] for row in table if row["factor_after"]), default=None)

@@ -22,10 +22,10 @@ from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import force
 from masonry_cd.limit.case import LimitCase
 from masonry_cd.limit.checked import Checked
-from masonry_cd.strengthening.design import Strengthening, counted
+from masonry_cd.strengthening.design import StrengtheningDesign, counted
 from masonry_cd.strengthening.facts import facts, least_row, lines
 from reports.drawing.figure import Sheet
-from reports.limit.picture import Subject, mechanism_scene
+from reports.limit.picture import LimitSubject, mechanism_scene
 from reports.limit.strengthen_page import write_strengthen_page
 
 EVERY = files_of("strengthen")
@@ -33,7 +33,7 @@ SCENE = "strengthened.toml"
 STRETCHED = 1e-4  # share of the largest velocity above which a tie that grows longer yields
 
 
-class AtWork(LimitTie):
+class ActingTie(LimitTie):
     """A tie in a mechanism, which says of it no more than whether it yields."""
 
     @property
@@ -42,7 +42,7 @@ class AtWork(LimitTie):
         return f"{force(self.total)}, yields" if self.total else "does not yield"
 
 
-def write(made: Strengthening, folder: Path, pictures: bool = True, view: str = "auto") -> tuple[dict[str, Any], list[Path]]:
+def write(made: StrengtheningDesign, folder: Path, pictures: bool = True, view: str = "auto") -> tuple[dict[str, Any], list[Path]]:
     """Write all files into a folder, which is made if need be; return the contents of strengthen.json, and the paths.
 
     Raises:
@@ -66,7 +66,7 @@ def write(made: Strengthening, folder: Path, pictures: bool = True, view: str = 
     return found, [*(folder / name for name in names), *drawn]
 
 
-def _draw(made: Strengthening, cases: tuple[LimitCase, ...], path: Path, stage: str, view: str) -> dict[Path, str]:
+def _draw(made: StrengtheningDesign, cases: tuple[LimitCase, ...], path: Path, stage: str, view: str) -> dict[Path, str]:
     """Draw the mechanism that starts earliest against what is asked of it, with the ties; the PNG with what it shows."""
     every = [(each, case) for case in cases for each in counted(case) if each.one.mechanism is not None]
     first = least_row(made.asked, [each for each, _ in every])
@@ -75,20 +75,20 @@ def _draw(made: Strengthening, cases: tuple[LimitCase, ...], path: Path, stage: 
     case = next(case for each, case in every if each is first)
     row, structure = first.row, case.structure
     words = f"{row['element']}, push {row['push']} · load factor {row['alpha0']:.4g}"
-    subject = Subject(first.one.mechanism, structure.assembly.blocks, structure.joints, _ties(case, first))
+    subject = LimitSubject(first.one.mechanism, structure.assembly.blocks, structure.joints, _ties(case, first))
     title = f"{made.asked.scene.title}: the least mechanism {stage}"
     Sheet.drawn(mechanism_scene(subject, title, words, view)).save(path)
     return {path: f"{stage.capitalize()}: {words}, {first.one.name}. Ties that the mechanism stretches yield."}
 
 
-def _ties(case: LimitCase, each: Checked) -> list[AtWork]:
+def _ties(case: LimitCase, each: Checked) -> list[ActingTie]:
     """All ties of a structure; those that a mechanism stretches pull what they yield at."""
     assert each.one.mechanism is not None
     loads = case.structure.loads_of_parts()
     bars, velocity = loads.bars, each.one.mechanism.velocity
     stretched = np.einsum("red,red->r", bar_rows(case.structure.assembly, bars), velocity[bars.blocks]) > STRETCHED
     pulls = np.where(stretched & np.isfinite(bars.strength), bars.strength, 0.0)
-    return [AtWork(**vars(tie)) for tie in limit_ties(loads.tie_names, bars, pulls, case.structure.assembly.names, 0.0)]
+    return [ActingTie(**vars(tie)) for tie in limit_ties(loads.tie_names, bars, pulls, case.structure.assembly.names, 0.0)]
 
 
 def scene_text(scene: Scene, rows: Sequence[Mapping[str, Any]]) -> str:

@@ -14,7 +14,7 @@ from masonry_cd.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.table import CheckTable
-    from masonry_cd.analysis.limit.found import Found
+    from masonry_cd.analysis.limit.found import FoundMechanism
     from masonry_cd.app.limit_structure import LimitStructure
     from masonry_cd.app.strengthen_table import StrengthenTable
 
@@ -28,7 +28,7 @@ class Goal:
     ground: Ground | None = None  # whose motion is the share zeta_E of that of the check
     foot: float = 0.0  # z from which heights count [m]
 
-    def asked(self, one: Found) -> float:
+    def asked(self, one: FoundMechanism) -> float:
         """The load factor at which a mechanism may start at the earliest: the demand is met in proportion to it."""
         if self.check is None or self.ground is None:
             return self.value

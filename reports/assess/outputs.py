@@ -14,7 +14,7 @@ from masonry_cd.analysis.assessment.assessment import (
     FELT,
     FILE,
     GRADE,
-    Answer,
+    AssessedNumber,
     Assessment,
     Member,
     read_assessment,
@@ -68,7 +68,7 @@ def heads(found: Assessment) -> list[str]:
     return [f"{SHORT[one.key]}{f' [{one.unit}]' if one.unit else ''}" for one in found.answers]
 
 
-def _cell(answer: Answer, member: Member) -> str:
+def _cell(answer: AssessedNumber, member: Member) -> str:
     """An answer: ``D2``, ``none`` for a run that is not graded."""
     if answer.key == "grade_number" and member.row.done and member.row.number("grade_number") is None:
         return NO_GRADE

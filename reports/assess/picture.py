@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.assessment.assessment import GRADE, Answer, Assessment, Known
+from masonry_cd.analysis.assessment.assessment import GRADE, AssessedNumber, Assessment, KnownAssumption
 from masonry_cd.analysis.damage.grades import NAMES
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.drawing.plots import halo, sheet
@@ -67,7 +67,7 @@ def shares(found: Assessment, path: Path) -> bool:
     return True
 
 
-def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, first: bool) -> None:
+def _panel(axes: Any, found: Assessment, known: list[KnownAssumption], answer: AssessedNumber, first: bool) -> None:
     """The bars of an answer."""
     plain_axes(axes, "", f"{answer.name}{f' [{answer.unit}]' if answer.unit else ''}")
     low, high = (answer.factor * value for value in found.chance(answer))
@@ -90,7 +90,7 @@ def _panel(axes: Any, found: Assessment, known: list[Known], answer: Answer, fir
     axes.grid(axis="y", visible=False)
 
 
-def _limits(axes: Any, found: Assessment, answer: Answer) -> tuple[float, float]:
+def _limits(axes: Any, found: Assessment, answer: AssessedNumber) -> tuple[float, float]:
     """Set the ends of an axis, so that names of levels have a place next to the bars."""
     low, high = (answer.factor * value for value in found.range(answer))
     if answer == GRADE:
@@ -102,7 +102,7 @@ def _limits(axes: Any, found: Assessment, answer: Answer) -> tuple[float, float]
     return ends
 
 
-def _bar(axes: Any, found: Assessment, one: Known, answer: Answer, row: int, ends: tuple[float, float]) -> None:
+def _bar(axes: Any, found: Assessment, one: KnownAssumption, answer: AssessedNumber, row: int, ends: tuple[float, float]) -> None:
     """The bar of an assumption with its levels."""
     bar = found.bar(one, answer)
     if not bar.values:

@@ -43,7 +43,7 @@ from reports.settings import Report, report_of
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class ComparedRun:
     """Values of a run for a comparison."""
 
     name: str
@@ -57,10 +57,10 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ComparisonTable:
     """A table: rows of a heading, a unit and one value per run."""
 
-    runs: list[Run]
+    runs: list[ComparedRun]
     rows: list[tuple[str, str, list[Any]]]
     words: list[str] = field(default_factory=list)  # what is damaged in their results
 
@@ -70,7 +70,7 @@ class Comparison:
         return ["", "unit", *(run.name for run in self.runs)]
 
 
-def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comparison:
+def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> ComparisonTable:
     """Compare the runs in some folders, called by names, or else by the shortest ends of their paths.
 
     Raises:
@@ -82,7 +82,7 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
     if twice:
         raise InputError("compare", f"{twice[0]} is named twice")
     settings: Report | None = None
-    runs: list[Run] = []
+    runs: list[ComparedRun] = []
     words: list[str] = []
     for folder, name in zip(folders, names or _names(folders), strict=True):
         with Results.open(folder / "result.h5") as results:
@@ -95,14 +95,14 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
                 words.append(f"{name}: grades, mechanisms and what is left are {end}")
     response = [(number.name, number.unit, [run.numbers[key] for run in runs]) for key, number in numbers_in(COMPARE).items()]
     rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *response, *_solver_rows(runs)]
-    return Comparison(runs, rows, words)
+    return ComparisonTable(runs, rows, words)
 
 
-def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
+def _run(results: Results, folder: Path, name: str, settings: Report) -> ComparedRun:
     """Read what is compared."""
     run = Measured(results, damage_settings(settings), known=damage_of(results, settings))
     solids = run.solids
-    return Run(
+    return ComparedRun(
         name=name,
         scene=flat(results.tables),
         damage=run.damage,
@@ -138,7 +138,7 @@ def _names(folders: Sequence[Path]) -> list[str]:
     return [str(folder) for folder in folders]
 
 
-def _scene_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+def _scene_rows(runs: Sequence[ComparedRun]) -> list[tuple[str, str, list[Any]]]:
     """The keys that differ; titles last, since they are long."""
     keys = dict.fromkeys(key for run in runs for key in run.scene)
     rows = []
@@ -149,7 +149,7 @@ def _scene_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     return rows
 
 
-def _damage_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+def _damage_rows(runs: Sequence[ComparedRun]) -> list[tuple[str, str, list[Any]]]:
     """The structure as a whole."""
     whole = [run.damage.parts[-1] for run in runs]
     rows = [
@@ -174,7 +174,7 @@ def _damage_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     return [(name, unit, [row[key] for row in whole]) for name, unit, key in rows]
 
 
-def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+def _part_rows(runs: Sequence[ComparedRun]) -> list[tuple[str, str, list[Any]]]:
     """The parts that are damaged in any run."""
     names = dict.fromkeys(row["part"] for run in runs for row in run.damage.parts if row["part"] != WHOLE)
     rows = []
@@ -185,7 +185,7 @@ def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     return rows
 
 
-def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+def _solver_rows(runs: Sequence[ComparedRun]) -> list[tuple[str, str, list[Any]]]:
     """From summary.json, which a run that was killed has not written."""
     found = [run.summary for run in runs]
     columns: tuple[tuple[str, str, list[SummaryTable], str], ...] = (
@@ -201,7 +201,7 @@ def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
 MISSING = "–"
 
 
-def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
+def write_comparison(comparison: ComparisonTable, folder: Path) -> list[Path]:
     """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
     paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
     own_files.begin(folder, [path.name for path in paths])
@@ -213,7 +213,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     return paths
 
 
-def markdown(comparison: Comparison) -> str:
+def markdown(comparison: ComparisonTable) -> str:
     """The table in Markdown, its columns aligned so that it reads well as plain text; lengths in millimetres."""
     cells = [comparison.header]
     for name, unit, values in comparison.rows:
@@ -245,7 +245,7 @@ HEAD: dict[str, Any] = {"loc": "left", "fontsize": 13, "fontweight": "bold", "co
 PARTS = 30  # shown at most
 
 
-def comparison_figure(comparison: Comparison) -> Any:
+def comparison_figure(comparison: ComparisonTable) -> Any:
     """A comparison as a figure of matplotlib."""
     runs = comparison.runs
     parts = _rows_by_part(runs)
@@ -260,7 +260,7 @@ def comparison_figure(comparison: Comparison) -> Any:
     return figure
 
 
-def _response(axes: Any, runs: list[Run]) -> None:
+def _response(axes: Any, runs: list[ComparedRun]) -> None:
     """Displacement of the highest block over time."""
     reach = max(float(np.abs(run.top).max()) for run in runs)
     shown = min(1.1 * reach, SHOWN * max(run.height for run in runs))  # a fallen block must not flatten the others to a line
@@ -277,7 +277,7 @@ def _response(axes: Any, runs: list[Run]) -> None:
     plain_axes(axes, f"[{unit}]", "time [s]", "y")
 
 
-def draw_states(axes: Any, runs: list[Run]) -> None:
+def draw_states(axes: Any, runs: list[ComparedRun]) -> None:
     """Joints by state, and lost blocks, side by side."""
     labels = {
         "only_opened": "joints\nopened",
@@ -292,7 +292,7 @@ def draw_states(axes: Any, runs: list[Run]) -> None:
     plain_axes(axes, "number", grid="y")
 
 
-def _widths(axes: Any, runs: list[Run]) -> None:
+def _widths(axes: Any, runs: list[ComparedRun]) -> None:
     """Cracks left at the end by class of width."""
     keys = [key for key in runs[0].damage.parts[-1] if key.startswith("crack_")]
     bounds = [f"{1000 * bound:.3g}" for bound in runs[0].damage.width_classes]
@@ -300,7 +300,7 @@ def _widths(axes: Any, runs: list[Run]) -> None:
     plain_axes(axes, "joints", "residual opening of joints, from ... mm to the next class", "y")
 
 
-def _bars(axes: Any, runs: list[Run], labels: Mapping[str, str], title: str) -> list[Any]:
+def _bars(axes: Any, runs: list[ComparedRun], labels: Mapping[str, str], title: str) -> list[Any]:
     """Numbers of the structure, by their keys with labels, side by side for all runs."""
     width, place = 0.8 / len(runs), np.arange(len(labels))
     bars = []
@@ -314,7 +314,7 @@ def _bars(axes: Any, runs: list[Run], labels: Mapping[str, str], title: str) -> 
     return bars
 
 
-def _rows_by_part(runs: list[Run]) -> dict[str, list[Row | None]]:
+def _rows_by_part(runs: list[ComparedRun]) -> dict[str, list[Row | None]]:
     """The rows of the damage by part, the structure first, then from the worst grade on; None where a run has no such part."""
     named = [{row["part"]: row for row in run.damage.parts} for run in runs]
     found = {part: [rows.get(part) for rows in named] for part in dict.fromkeys(part for rows in named for part in rows)}
@@ -328,7 +328,7 @@ def _rank(row: Row | None) -> int:
     return NAMES.index(row["grade"]) if row and row["grade"] in NAMES else -1
 
 
-def _grade_table(axes: Any, runs: list[Run], parts: Mapping[str, list[Row | None]]) -> None:
+def _grade_table(axes: Any, runs: list[ComparedRun], parts: Mapping[str, list[Row | None]]) -> None:
     """A row per part and a column per run, the grade written in and shaded."""
     from matplotlib.patches import Rectangle
 

@@ -30,7 +30,7 @@ EDGE_ON = 0.05  # a plane whose normal is nearer to perpendicular to the view th
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class CutPlane:
     """A plane: points X with X[axis] = value; what is kept lies on the side of ``normal``, away from the viewer."""
 
     axis: str
@@ -48,7 +48,7 @@ class Cut:
         return f"{self.axis} = {round(self.value, 3) + 0.0:g} m"
 
 
-def cut_named(text: str, solids: Solids, view: View) -> Cut:
+def cut_named(text: str, solids: Solids, view: View) -> CutPlane:
     """The cut that a text asks for: ``y=1.5``, or ``y`` for the middle of the structure.
 
     Raises:
@@ -66,7 +66,7 @@ def cut_named(text: str, solids: Solids, view: View) -> Cut:
         raise InputError("cut", f"the {view.name} view sees the plane {axis} = {value:g} m edge-on; {FACING[axis]} and isometric show it")
     normal = np.zeros(3)
     normal[k] = -np.sign(view.towards[k])
-    return Cut(axis, float(value), normal)
+    return CutPlane(axis, float(value), normal)
 
 
 def plane_of(text: str) -> tuple[str, float | None]:
@@ -90,7 +90,7 @@ def plane_of(text: str) -> tuple[str, float | None]:
     )
 
 
-def clipped(surface: Surface, cut: Cut) -> Surface:
+def clipped(surface: Surface, cut: CutPlane) -> Surface:
     """Return the rest of a surface at a plane; caps are extra."""
     if surface.spared is None:
         return surface
@@ -100,19 +100,19 @@ def clipped(surface: Surface, cut: Cut) -> Surface:
     return replaced(surface, points=points, loops=np.arange(len(points)), loop_start=start, colours=surface.colours[kept], owner=owner)
 
 
-def clipped_lines(lines: Lines, cut: Cut) -> Lines:
+def clipped_lines(lines: Lines, cut: CutPlane) -> Lines:
     """Return the rest of straight lines at the plane."""
     ends, _ = _kept(lines.points[lines.pairs], cut)
     return replaced(lines, points=ends.reshape(-1, 3), pairs=np.arange(2 * len(ends)).reshape(-1, 2))
 
 
-def clipped_ties(ties: Ties, cut: Cut) -> Ties:
+def clipped_ties(ties: Ties, cut: CutPlane) -> Ties:
     """Return the rest of ties at the plane."""
     ends, kept = _kept(ties.ends, cut)
     return Ties(ends, tuple(ties.texts[i] for i in kept.tolist()), ties.tension[kept])
 
 
-def _kept(ends: np.ndarray, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
+def _kept(ends: np.ndarray, cut: CutPlane) -> tuple[np.ndarray, np.ndarray]:
     """Return the rest of lines (E, 2, 3) at the plane, and which of them each was."""
     d = cut.distance(ends.reshape(-1, 3)).reshape(-1, 2)
     kept = np.flatnonzero((d > 0).any(axis=1))
@@ -124,7 +124,7 @@ def _kept(ends: np.ndarray, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
     return out, kept
 
 
-def caps_of(surface: Surface, cut: Cut) -> Surface:
+def caps_of(surface: Surface, cut: CutPlane) -> Surface:
     """The caps of closed blocks, whose faces a surface has and owns: the cut edges of the faces, joined into loops."""
     assert surface.owner is not None and surface.inside is not None
     d = cut.distance(surface.points)
@@ -162,7 +162,7 @@ def outline(surface: Surface, colour: str, width: float) -> Lines:
     return Lines(surface.points, pairs, colour, width, lift=5e-4, outline=True)
 
 
-def traces(joints: DrawnJoints, cut: Cut) -> Bands:
+def traces(joints: DrawnJoints, cut: CutPlane) -> Bands:
     """Where the plane runs through the joints shown: a quadrilateral each, from the cut of the band on a to that on b."""
     on_a, on_b = joints.band_corners()
     d = cut.distance((on_a + on_b) / 2.0)

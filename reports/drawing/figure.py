@@ -22,9 +22,9 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.figures import blank
 from masonry_cd.foundation.quantities import nice
 from reports.drawing import palette
-from reports.drawing.parts import ColourClasses, Panel, Sign, View
+from reports.drawing.parts import ColourClasses, KeyPanel, Sign, View
 from reports.drawing.render import Canvas
-from reports.drawing.scene import Scene, ties_of
+from reports.drawing.scene import PictureScene, ties_of
 
 WIDTH = 1800  # of the sheet
 MARGIN = 40
@@ -47,7 +47,7 @@ Box = tuple[float, float, float, float]  # left, bottom, width, height
 
 
 @dataclass(frozen=True)
-class Layout:
+class SheetLayout:
     """Where the model goes: (left, bottom, width, height) of its area on a sheet of a size."""
 
     size: tuple[int, int]
@@ -72,17 +72,17 @@ class Layout:
         return [(MARGIN + a * each, MARGIN / 2, (b - a) * each - MARGIN, STRIP - MARGIN) for a, b in pairwise(first.tolist())]
 
 
-def layout(aspect: float) -> Layout:
+def layout(aspect: float) -> SheetLayout:
     """The layout for a model of a given width over height."""
     if aspect >= 1.15:
         width = WIDTH - 2 * MARGIN
         height = int(np.clip(width / aspect, 640, 900))
-        return Layout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
+        return SheetLayout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
     width, height = WIDTH - 2 * MARGIN - COLUMN, 1180
-    return Layout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
+    return SheetLayout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
 
 
-def layout_of(scene: Scene) -> Layout:
+def layout_of(scene: PictureScene) -> SheetLayout:
     """The layout for a scene."""
     return layout(scene.window.width / scene.window.height)
 
@@ -130,7 +130,7 @@ def save(figure: Any, path: Path, title: str = "") -> Path:
     return path
 
 
-def save_polygons(scene: Scene, folder: Path, name: str) -> list[Path]:
+def save_polygons(scene: PictureScene, folder: Path, name: str) -> list[Path]:
     """Write a scene as polygons into an SVG and a PDF of a name; return them."""
     figure = Sheet.as_polygons(scene).figure
     return [save(figure, folder / f"{name}.{form}", scene.title) for form in ("svg", "pdf")]
@@ -139,7 +139,7 @@ def save_polygons(scene: Scene, folder: Path, name: str) -> list[Path]:
 class Sheet:
     """A figure whose coordinates are pixels from the lower left corner."""
 
-    def __init__(self, plan: Layout) -> None:
+    def __init__(self, plan: SheetLayout) -> None:
         self.plan = plan
         self.figure = blank((plan.size[0] / 100, plan.size[1] / 100))
 
@@ -153,7 +153,7 @@ class Sheet:
         return axes
 
     @classmethod
-    def drawn(cls, scene: Scene, samples: int | None = None) -> Sheet:
+    def drawn(cls, scene: PictureScene, samples: int | None = None) -> Sheet:
         """The sheet of a scene, drawn off screen; each pixel is the mean of samples x samples rendered ones.
 
         Raises:
@@ -163,23 +163,23 @@ class Sheet:
             return cls.drawn_on(canvas, scene)
 
     @classmethod
-    def drawn_on(cls, canvas: Canvas, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
+    def drawn_on(cls, canvas: Canvas, scene: PictureScene, panels: Sequence[KeyPanel] | None = None) -> Sheet:
         """The sheet of a scene, drawn on a canvas of its size, with all of its key or some ``panels``."""
 
-        def draw(axes: Any, fitted: Scene) -> None:
+        def draw(axes: Any, fitted: PictureScene) -> None:
             axes.imshow(canvas.draw(fitted), extent=(*axes.get_xlim(), *axes.get_ylim()), interpolation="none", aspect="auto")
 
         return cls._with_model(scene, draw, panels)
 
     @classmethod
-    def as_polygons(cls, scene: Scene) -> Sheet:
+    def as_polygons(cls, scene: PictureScene) -> Sheet:
         """The sheet of a scene whose model is polygons, for SVG and PDF."""
         from reports.drawing.vector import draw_polygons
 
         return cls._with_model(scene, draw_polygons)
 
     @classmethod
-    def _with_model(cls, scene: Scene, draw: Callable[[Any, Scene], None], panels: Sequence[Panel] | None = None) -> Sheet:
+    def _with_model(cls, scene: PictureScene, draw: Callable[[Any, PictureScene], None], panels: Sequence[KeyPanel] | None = None) -> Sheet:
         """The sheet of a scene; ``draw`` puts the model into axes in metres of the plane of the picture."""
         sheet = cls.around(scene, panels)
         window = scene.window.fitted(sheet.plan.pixels)
@@ -191,7 +191,7 @@ class Sheet:
         return sheet
 
     @classmethod
-    def around(cls, scene: Scene, panels: Sequence[Panel] | None = None) -> Sheet:
+    def around(cls, scene: PictureScene, panels: Sequence[KeyPanel] | None = None) -> Sheet:
         """Return the sheet around the model of a scene: title, facts and key, or of the key some ``panels`` alone."""
         sheet = cls(layout_of(scene))
         sheet.head(scene.title, scene.facts)
@@ -227,7 +227,7 @@ class Sheet:
         axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
         axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
 
-    def panel(self, panel: Panel, box: Box, view: View, pixel: float) -> None:
+    def panel(self, panel: KeyPanel, box: Box, view: View, pixel: float) -> None:
         """A part of the key, from the top of its box; a pixel of the model is so large [m]."""
         axes, (width, top) = self.axes(*box), box[2:]
         if panel.scale is not None:
@@ -271,7 +271,7 @@ def triad(axes: Any, view: View, place: tuple[float, float], size: float = 26.0)
         axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
 
 
-def label_ties(axes: Any, scene: Scene) -> None:
+def label_ties(axes: Any, scene: PictureScene) -> None:
     """The labels of its ties, of many those that pull most, next to their middles."""
     ties = ties_of(scene)
     for i in [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]:

@@ -191,7 +191,7 @@ class Sign:
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class KeyPanel:
     """A part of a key: a scale of colours with its name, or the scale bar and the axes; signs; a note."""
 
     signs: Sequence[Sign] = ()
@@ -202,7 +202,7 @@ class Panel:
     wide: int = 1  # places that it takes where they are side by side
 
 
-RULER = Panel(ruler=True)
+RULER = KeyPanel(ruler=True)
 
 
 def rgb(colour: str) -> np.ndarray:

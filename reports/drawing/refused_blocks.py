@@ -18,8 +18,8 @@ from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing.figure import INK, Sheet
 from reports.drawing.palette import EDGE, FAULTY, SOUND
-from reports.drawing.parts import RULER, Lines, Panel, Sign, Surface, Window, painted
-from reports.drawing.scene import Scene
+from reports.drawing.parts import RULER, KeyPanel, Lines, Sign, Surface, Window, painted
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import looking_at, structure_window, within_sight
 
 GLASS = 0.10  # opacity of the sound blocks
@@ -43,13 +43,13 @@ def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str
     rows += [Sign("", f"the first {NAMES} are named")] if count > NAMES else []
     rows += [Sign("", f"{left_out} cannot be drawn")] if left_out else []
     window, red = structure_window(solids, view), within_sight(solids, solids.vertices)[at_fault[solids.vertex_block]]
-    scene = Scene(
+    scene = PictureScene(
         view=view,
         window=window.joined(Window.around(view.plane(red), 0.06)) if len(red) else window,
         layers=_layers(solids, at_fault),
         title=f"Refused: {count} of {len(blocks)} blocks at fault",
         facts=textwrap.shorten(message, 150, placeholder=" …"),
-        key=[Panel(rows), RULER],
+        key=[KeyPanel(rows), RULER],
     )
     sheet = Sheet.drawn(scene)
     _names(sheet, drawn, solids, at_fault, scene)
@@ -82,7 +82,7 @@ def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
     ]
 
 
-def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: Scene) -> None:
+def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: PictureScene) -> None:
     """The names of the first faulty blocks, in a column on either side, by height, with a line to each block."""
     axes = sheet.axes(*sheet.plan.model)
     width, height = sheet.plan.pixels

@@ -15,7 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.foundation.freed_memory import give_back_freed_memory
 from reports.drawing.parts import Layer, Lines, View, Window
-from reports.drawing.scene import Scene, cut_layers, joint_layers, placed, tie_layers, ties_of
+from reports.drawing.scene import PictureScene, cut_layers, joint_layers, placed, tie_layers, ties_of
 
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
@@ -27,7 +27,7 @@ class NoContext(InputError):
     """VTK cannot draw without a display here."""
 
 
-def render(scene: Scene, pixels: tuple[int, int], samples: int | None = None) -> np.ndarray:
+def render(scene: PictureScene, pixels: tuple[int, int], samples: int | None = None) -> np.ndarray:
     """Draw a scene into an image (height, width, 3) uint8 on white; a pixel is the mean of samples x samples rendered ones, see SAMPLES."""
     with Canvas(scene.view, pixels, samples) as canvas:
         return canvas.draw(scene)
@@ -60,7 +60,7 @@ class Canvas:
         self._plotter.close()
         give_back_freed_memory()
 
-    def draw(self, scene: Scene) -> np.ndarray:
+    def draw(self, scene: PictureScene) -> np.ndarray:
         """Draw a scene, seen as the canvas was made for, but for words, into an image (height, width, 3) uint8 on white."""
         layers = [*cut_layers(scene), *joint_layers(scene), *tie_layers(ties_of(scene))]
         layers = placed(layers, self._view, scene.window.height)

@@ -16,15 +16,15 @@ import numpy as np
 
 from reports.drawing import palette
 from reports.drawing.bands import Bands, DrawnJoints
-from reports.drawing.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, outline, traces
-from reports.drawing.parts import AMONG, BEFORE, BEHIND, Layer, Lines, Panel, Surface, Ties, View, Window, replaced
+from reports.drawing.cut import CutPlane, caps_of, clipped, clipped_lines, clipped_ties, outline, traces
+from reports.drawing.parts import AMONG, BEFORE, BEHIND, KeyPanel, Layer, Lines, Surface, Ties, View, Window, replaced
 
 TIE = 5.0  # width of a tie [pixels of the sampled image]
 APART = 0.01  # of layers behind and before everything, as a share of the picture's height
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PictureScene:
     """A picture."""
 
     view: View
@@ -32,13 +32,13 @@ class Scene:
     layers: Sequence[Layer]
     joints: DrawnJoints | None = None
     ties: Ties = field(default_factory=Ties)
-    cut: Cut | None = None
+    cut: CutPlane | None = None
     title: str = ""
     facts: str = ""
-    key: Sequence[Panel] = ()
+    key: Sequence[KeyPanel] = ()
 
 
-def cut_layers(scene: Scene) -> list[Layer]:
+def cut_layers(scene: PictureScene) -> list[Layer]:
     """The layers of a scene, as far as its plane leaves them, and the caps of what it closes."""
     cut, layers = scene.cut, list(scene.layers)
     if cut is None:
@@ -52,7 +52,7 @@ def cut_layers(scene: Scene) -> list[Layer]:
     return out
 
 
-def joint_layers(scene: Scene, hidden: np.ndarray | None = None) -> list[Surface]:
+def joint_layers(scene: PictureScene, hidden: np.ndarray | None = None) -> list[Surface]:
     """The bands of its joints and the plates of parted faces; with ``hidden`` (2, N) sides, those that can be seen only."""
     joints, cut = scene.joints, scene.cut
     if joints is None:
@@ -72,7 +72,7 @@ def joint_layers(scene: Scene, hidden: np.ndarray | None = None) -> list[Surface
     return [*out, replaced(joints.dashed(traces(joints, cut)), spared=None)] if joints.shown.any() else out
 
 
-def ties_of(scene: Scene) -> Ties:
+def ties_of(scene: PictureScene) -> Ties:
     """Its ties, as far as the plane leaves them."""
     return scene.ties if scene.cut is None else clipped_ties(scene.ties, scene.cut)
 

@@ -15,8 +15,8 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import CoveredFaces, Fill
 from reports.drawing.figure import in_metres
 from reports.drawing.palette import EDGE, FILL, GROUPS, PULLING, SUPPORT
-from reports.drawing.parts import RULER, Layer, Lines, Panel, Sign, Surface, Ties, View, Window, rgb, view_named
-from reports.drawing.scene import Scene
+from reports.drawing.parts import RULER, KeyPanel, Layer, Lines, Sign, Surface, Ties, View, Window, rgb, view_named
+from reports.drawing.scene import PictureScene
 
 AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
 FAR = 1.25  # of the size of a structure: how far from it blocks still draw a wide ground out, a block across the end of a picture too
@@ -133,7 +133,7 @@ def tops_of(fill: CoveredFaces) -> np.ndarray:
 
 def structure_scene(
     blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = (), fills: Sequence[Fill] = ()
-) -> Scene:
+) -> PictureScene:
     """The blocks by group, ties by their ends (2, 3) each [m], and fill; in a view by name, or ``auto``, see :func:`auto_view`.
 
     Raises:
@@ -152,19 +152,19 @@ def structure_scene(
     if fill is not None:
         layers.append(fill_layer(fill, fill.corners, tops_of(fill), len(blocks)))
         window = window.joined(Window.around(looking.plane(layers[-1].points), MARGIN))
-    return Scene(
+    return PictureScene(
         view=looking,
         window=window,
         layers=layers,
         ties=Ties(np.array(ties, dtype=float).reshape(-1, 2, 3), ("",) * len(ties), np.ones(len(ties))),
         title=title,
         facts=f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view",
-        key=[Panel(rows, wide=4), RULER],
+        key=[KeyPanel(rows, wide=4), RULER],
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class ColourFamily:
     """Blocks that one colour stands for: a group, or numbered groups (pier1, pier2 ...) taken together."""
 
     text: str
@@ -172,18 +172,18 @@ class Family:
     colour: str
 
 
-def families_of(blocks: Sequence[Block]) -> list[Family]:
+def families_of(blocks: Sequence[Block]) -> list[ColourFamily]:
     """The groups of blocks; where they outnumber the colours, numbered groups together. Groups of supports are grey."""
     named = [b.group for b in blocks]
     if len(set(named)) > len(GROUPS) + 1:
         named = [re.sub(r"\d+", "#", name) for name in named]
     names = np.array(named, dtype=object)
-    out: list[Family] = []
+    out: list[ColourFamily] = []
     for name in dict.fromkeys(named):
         members = np.flatnonzero(names == name)
         groups = list(dict.fromkeys(blocks[int(i)].group for i in members))
         text = groups[0] if len(groups) == 1 else f"{groups[0]} to {groups[-1]}"
         support = all(blocks[int(i)].fixed for i in members)
         free = sum(family.colour != SUPPORT for family in out)
-        out.append(Family(f"{text} ({len(members)})", members, SUPPORT if support else GROUPS[free % len(GROUPS)]))
+        out.append(ColourFamily(f"{text} ({len(members)})", members, SUPPORT if support else GROUPS[free % len(GROUPS)]))
     return out

@@ -20,7 +20,7 @@ from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
 from reports.drawing.parts import AMONG, Lines, Surface, View
 from reports.drawing.render import AMBIENT, LIGHTS
-from reports.drawing.scene import Scene, cut_layers, joint_layers, tie_layers, ties_of
+from reports.drawing.scene import PictureScene, cut_layers, joint_layers, tie_layers, ties_of
 
 OUTLINE = 0.55  # width of the edges of blocks [points]
 POINT = 0.72 / 2.0  # points of a line that is a pixel of the sampled image wide
@@ -47,7 +47,7 @@ class _Painting:
         self.outlined += [outlined] * count
 
 
-def draw_polygons(axes: Any, scene: Scene) -> None:
+def draw_polygons(axes: Any, scene: PictureScene) -> None:
     """Draw a scene into axes of its window's shape."""
     from matplotlib.collections import PolyCollection
 
@@ -66,11 +66,11 @@ def draw_polygons(axes: Any, scene: Scene) -> None:
         _draw_lines(axes, lines, scene.view)
 
 
-def _painted(scene: Scene) -> _Painting:
+def _painted(scene: PictureScene) -> _Painting:
     """All polygons of a scene."""
     painting, whole = _Painting(scene.view), [layer for layer in scene.layers if isinstance(layer, Surface)]
     solid = next(layer for layer in whole if layer.owner is not None)
-    planes = Planes(solid)
+    planes = FacePlanes(solid)
     rank, last = painting_order(planes, scene.view).astype(float), float(planes.count)
     for layer in cut_layers(scene):
         if not isinstance(layer, Surface):
@@ -90,7 +90,7 @@ def _painted(scene: Scene) -> _Painting:
 
 def _add_faces(painting: _Painting, surface: Surface, rank: np.ndarray) -> None:
     """The faces of the blocks that look at the viewer, shaded as in the picture; edges with them."""
-    normals, view = Planes(surface).normals, painting.view
+    normals, view = FacePlanes(surface).normals, painting.view
     seen = normals @ view.towards > 1e-6
     light = np.full(len(normals), AMBIENT)
     for (right, up, towards), strength in LIGHTS:
@@ -100,7 +100,7 @@ def _add_faces(painting: _Painting, surface: Surface, rank: np.ndarray) -> None:
     painting.add(left, rank[left.owner], np.clip(left.colours / 255.0 * light[seen, None], 0.0, 1.0), outlined=True)
 
 
-def hidden_sides(joints: DrawnJoints, planes: Planes, view: View) -> np.ndarray:
+def hidden_sides(joints: DrawnJoints, planes: FacePlanes, view: View) -> np.ndarray:
     """(2, N): whether the side of a joint's polygon that begins at a corner lies behind block a of its joint, and behind block b.
 
     The block on the viewer's side of a joint hides a side over which it reaches out, as a stone does above a head joint.
@@ -129,7 +129,7 @@ def _draw_lines(axes: Any, lines: Lines, view: View) -> None:
 EDGE_ON = 1e-3  # a plane whose normal is nearer to perpendicular to the view than this puts neither block before the other
 
 
-class Planes:
+class FacePlanes:
     """The faces of B blocks that a surface has and owns: corners and planes of each."""
 
     def __init__(self, surface: Surface) -> None:
@@ -143,7 +143,7 @@ class Planes:
         self.corners = [surface.points[np.unique(surface.loops[rows])] for rows in rows_by_block(corner_block, self.count)]
 
 
-def painting_order(planes: Planes, view: View) -> np.ndarray:
+def painting_order(planes: FacePlanes, view: View) -> np.ndarray:
     """(B,) the rank of each block, 0 for the one that is painted first."""
     depth = np.array([float((corner @ view.towards).mean()) if len(corner) else 0.0 for corner in planes.corners])
     nearer: list[list[int]] = [[] for _ in range(planes.count)]  # blocks that are painted after this one
@@ -180,7 +180,7 @@ def overlapping(corners: list[np.ndarray], view: View) -> np.ndarray:
     return np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
 
 
-def _facing(planes: Planes, block: int, other: int, view: View) -> tuple[float, float]:
+def _facing(planes: FacePlanes, block: int, other: int, view: View) -> tuple[float, float]:
     """How far a block keeps away from the farthest of another's planes [m], and how much its normal looks towards the viewer."""
     own = planes.faces[other]
     apart = (planes.normals[own] @ planes.corners[block].T - planes.foot[own][:, None]).min(axis=1)

@@ -14,14 +14,14 @@ import numpy as np
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
-from masonry_cd.analysis.limit.stage import Stage
+from masonry_cd.analysis.limit.stage import CurveStage
 from masonry_cd.foundation.figures import blank
 from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
 from reports.drawing.palette import AT_WORK, PULLING
 from reports.drawing.parts import Ties, View, Window
 from reports.drawing.plots import DPI, heading
 from reports.drawing.render import render
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import structure_window
 from reports.limit.picture import DOT, dots, moving_layers, through, view_of_motion
 
@@ -109,7 +109,7 @@ def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:
     return [render(replace(scene, window=window.fitted(pixels)), pixels) for scene in scenes]
 
 
-def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: Window) -> Scene:
+def _scene(stage: CurveStage, solids: Solids, built: Solids, looking: View, window: Window) -> PictureScene:
     """The structure at a stage."""
     moves, joints, radius = stage.mechanism, stage.joints, 3.0 * DOT * window.height
     layers = moving_layers(solids, solids.vertices, moves.moving, built)
@@ -122,7 +122,7 @@ def _scene(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     ends = stage.loads.bars.points
     rods = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) < LONGEST
     pulls = np.where(tension > SLACK, tension, 0.0)[rods]  # those that are slack pull nothing
-    return Scene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
+    return PictureScene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
 
 
 def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[tuple[float, float]], path: Path, title: str) -> None:

@@ -20,8 +20,8 @@ from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing.figure import LABELLED
 from reports.drawing.palette import AT_WORK, CRUSHED, INK, MOVES, PULLING, REST, STANDS, THRUST
-from reports.drawing.parts import BEFORE, BEHIND, Layer, Lines, Panel, Sign, Surface, Ties, View, painted, ribbon, view_named
-from reports.drawing.scene import Scene
+from reports.drawing.parts import BEFORE, BEHIND, KeyPanel, Layer, Lines, Sign, Surface, Ties, View, painted, ribbon, view_named
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import auto_view, block_layers, structure_window, two_colours, within_sight
 from reports.maps.thrust import THINNEST, joint_ribbons
 
@@ -35,7 +35,7 @@ AWAY = 0.1  # share of the speed of the blocks that leads away from the viewer a
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class LimitSubject:
     """The contents of the pictures."""
 
     moves: Mechanism
@@ -44,7 +44,7 @@ class Subject:
     ties: Sequence[LimitTie] = ()
 
 
-def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto") -> Scene:
+def mechanism_scene(subject: LimitSubject, title: str, facts: str, view: str = "auto") -> PictureScene:
     """The mechanism, its largest displacement a share of the structure's size.
 
     Raises:
@@ -68,7 +68,7 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
     rows += [Sign("line", f"{name}: {counted(moves.count(name), 'joint')}", (AT_WORK[name],)) for name in at_work]
     crushed = int(moves.crushing.sum())
     rows += [Sign("line", f"crushes: {counted(crushed, 'joint')}", (CRUSHED,))] * bool(crushed)
-    return Scene(
+    return PictureScene(
         view=looking,
         window=window,
         layers=[
@@ -83,13 +83,13 @@ def mechanism_scene(subject: Subject, title: str, facts: str, view: str = "auto"
         title=title,
         facts=facts,
         key=[
-            Panel(rows + _tie_signs(subject.ties)),
-            Panel(ruler=True, note=f"largest displacement drawn as {reach:.3g} m; thin lines: as built"),
+            KeyPanel(rows + _tie_signs(subject.ties)),
+            KeyPanel(ruler=True, note=f"largest displacement drawn as {reach:.3g} m; thin lines: as built"),
         ],
     )
 
 
-def thrust_scene(subject: Subject, collapse: Collapse, title: str, facts: str, view: str = "auto") -> Scene:
+def thrust_scene(subject: LimitSubject, collapse: Collapse, title: str, facts: str, view: str = "auto") -> PictureScene:
     """The forces at collapse.
 
     Raises:
@@ -104,7 +104,7 @@ def thrust_scene(subject: Subject, collapse: Collapse, title: str, facts: str, v
     vertices = within_sight(solids, solids.vertices)
     rows = [Sign("line", f"normal force, at most {force(largest)}", (THRUST,)), Sign("dot", "resultant in a joint", (INK,))]
     note = f"forces at collapse: where they are not unique, one of many sets; those below {THINNEST:.0%} of the largest are not drawn"
-    return Scene(
+    return PictureScene(
         view=looking,
         window=window,
         layers=[
@@ -116,7 +116,7 @@ def thrust_scene(subject: Subject, collapse: Collapse, title: str, facts: str, v
         ties=drawn_ties(subject.ties, lambda points, block: points),
         title=title,
         facts=facts,
-        key=[Panel(rows + _tie_signs(subject.ties)), Panel(ruler=True, note=note)],
+        key=[KeyPanel(rows + _tie_signs(subject.ties)), KeyPanel(ruler=True, note=note)],
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.code_check.verdicts import LINEAR, Spectrum
+from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckSpectrum
 from masonry_cd.foundation.quantities import per_cent
 from reports.drawing.figure import COLOURS, FAINT, INK, halo, save
 from reports.drawing.plots import legend, sheet
@@ -23,7 +23,7 @@ LOW = 0.08  # share of an axis below which a point is near its end
 SAME = 1e-3  # share by which a demand may exceed the curve and lie on it
 
 
-def spectrum_picture(spectra: Sequence[Spectrum], path: Path, title: str, facts: str) -> Path:
+def spectrum_picture(spectra: Sequence[CheckSpectrum], path: Path, title: str, facts: str) -> Path:
     """Draw the spectrum of each check with the points of demand and capacity into a PNG, SVG or PDF; return its path.
 
     Raises:
@@ -35,7 +35,7 @@ def spectrum_picture(spectra: Sequence[Spectrum], path: Path, title: str, facts:
     return save(figure, path, title)
 
 
-def _panel(axes: Any, spectrum: Spectrum) -> None:
+def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
     """One check."""
     check, (scale, unit) = spectrum.check, UNITS[spectrum.check.unit]
     damped = per_cent(check.damping)

@@ -30,8 +30,8 @@ from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing import palette
 from reports.drawing.bands import DrawnJoints
 from reports.drawing.figure import LABELLED, in_metres
-from reports.drawing.parts import BEHIND, Panel, Sign, Surface, Ties, painted
-from reports.drawing.scene import Scene
+from reports.drawing.parts import BEHIND, KeyPanel, Sign, Surface, Ties, painted
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import block_layers, fill_layer, structure_window, tops_of, two_colours, within_sight
 from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
@@ -43,7 +43,7 @@ LEAST_BAND = 2.5  # ... and no less than this [pixels]
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class MapSubject:
     """Subject of a map at a frame."""
 
     framed: Framing
@@ -60,7 +60,7 @@ class Subject:
     suffered: str = ""  # of the last frame: the damage over all steps, as text
 
     @classmethod
-    def of(cls, results: Results, frame: int, framed: Framing) -> Subject:
+    def of(cls, results: Results, frame: int, framed: Framing) -> MapSubject:
         """Collect it."""
         solids, thresholds = solids_of(results.blocks), framed.style.thresholds
         snapshot, last, suffered = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1, ""
@@ -104,14 +104,14 @@ class Subject:
         """(B, 3) of the blocks, 0..1."""
         return two_colours(self.solids, self.snapshot.down, palette.FALLEN, palette.STONE)
 
-    def scene(self, joints: DrawnJoints, colours: np.ndarray, faces: np.ndarray | None = None) -> Scene:
+    def scene(self, joints: DrawnJoints, colours: np.ndarray, faces: np.ndarray | None = None) -> PictureScene:
         """The blocks in colours (B, 3) over their shape at rest, some faces in others (F, 3), with joints and ties; without words."""
         solids = self.solids  # its free blocks at rest, pale, behind everything: seen only where they have moved away
         pale = painted(palette.SHADOW, len(solids.face_block))
         shadow = Surface(solids.vertices, solids.loops, solids.loop_start, pale, lit=False, place=BEHIND)
         layers = [shadow.some(~solids.fixed[solids.face_block]), *block_layers(self.solids, self.drawn, colours, faces)]
         layers += [self.fill] if self.fill is not None else []
-        return Scene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
+        return PictureScene(self.framed.view, self.framed.window, layers, joints, self.ties, self.framed.cut)
 
     def drawn_joints(self) -> DrawnJoints:
         """The joints, none shown."""
@@ -146,9 +146,9 @@ def fill_at(results: Results, solids: Solids, pose: Pose, factor: float) -> Surf
     return fill_layer(fill, corners, tops, len(solids.centre))
 
 
-def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
+def crack_scene(results: Results, frame: int, framed: Framing) -> PictureScene:
     """The crack map of a frame."""
-    subject = Subject.of(results, frame, framed)
+    subject = MapSubject.of(results, frame, framed)
     scene = subject.scene(subject.damaged_joints(), subject.colours)
     layers, forces = list(scene.layers), []
     if framed.style.thrust:
@@ -158,11 +158,11 @@ def crack_scene(results: Results, frame: int, framed: Framing) -> Scene:
             Sign("band", f"normal force, widest {force(largest)}", (palette.THRUST,)),
             Sign("", "through where it acts in each joint"),
         ]
-    key = [*_scales(subject), Panel(_signs(subject)), Panel([*forces, *fill_signs(subject)], ruler=True)]
+    key = [*_scales(subject), KeyPanel(_signs(subject)), KeyPanel([*forces, *fill_signs(subject)], ruler=True)]
     return replace(scene, layers=layers, title=results.title or "Crack map", facts=_facts(subject), key=key)
 
 
-def at_rest(results: Results, style: MapStyle) -> Scene:
+def at_rest(results: Results, style: MapStyle) -> PictureScene:
     """The structure as it was built, without words.
 
     Raises:
@@ -173,7 +173,7 @@ def at_rest(results: Results, style: MapStyle) -> Scene:
     framed = Framing(style, view, cut, 0.0, structure_window(solids, view), alone=True)
     joints = DrawnJoints.at(results.joints, solids, Pose.of(results, solids, 0), 0.0, band_width(solids, framed.pixel))
     standing = two_colours(solids, np.zeros(len(solids.centre), bool), palette.FALLEN, palette.STONE)
-    return Scene(view, framed.window, block_layers(solids, within_sight(solids, solids.vertices), standing), joints, cut=cut)
+    return PictureScene(view, framed.window, block_layers(solids, within_sight(solids, solids.vertices), standing), joints, cut=cut)
 
 
 def band_width(solids: Solids, pixel: float) -> float:
@@ -182,16 +182,16 @@ def band_width(solids: Solids, pixel: float) -> float:
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
-def _scales(subject: Subject) -> list[Panel]:
+def _scales(subject: MapSubject) -> list[KeyPanel]:
     """The scales of opening and sliding; of a structure without joints, such as a packing of spheres, none."""
     if not subject.joints.count:
-        return [Panel(), Panel()]
+        return [KeyPanel(), KeyPanel()]
     when = "Present" if not (subject.last and subject.framed.alone) else "Provisional" if subject.provisional else "Residual"
     opening, sliding = subject.framed.scales
-    return [Panel(scale=(f"{when} opening [mm]", opening)), Panel(scale=(f"{when} sliding [mm]", sliding), dashed=True)]
+    return [KeyPanel(scale=(f"{when} opening [mm]", opening)), KeyPanel(scale=(f"{when} sliding [mm]", sliding), dashed=True)]
 
 
-def _signs(subject: Subject) -> list[Sign]:
+def _signs(subject: MapSubject) -> list[Sign]:
     """The signs with their numbers; a map that stands alone names only what it shows."""
     snapshot, alone, (opening, sliding) = subject.snapshot, subject.framed.alone, subject.framed.scales
     opened, slid = snapshot.open & ~subject.cracked, snapshot.slid & ~subject.cracked
@@ -216,26 +216,26 @@ def _signs(subject: Subject) -> list[Sign]:
     return [*rows, *other_signs(subject, always=not alone)]
 
 
-def other_signs(subject: Subject, always: bool = False) -> list[Sign]:
+def other_signs(subject: MapSubject, always: bool = False) -> list[Sign]:
     """Those of the shape at rest, where it is seen or ``always``, and of ties."""
     rows = [Sign("box", "shape at rest", (palette.SHADOW,))] if subject.has_moved or always else []
     ties = len(subject.ties.ends)
     return rows + [Sign("line", "tie, with its tension" if ties <= LABELLED else "tie", (palette.PULLING,))] * bool(ties)
 
 
-def fill_signs(subject: Subject) -> list[Sign]:
+def fill_signs(subject: MapSubject) -> list[Sign]:
     """The entry of fill in the key, where there is some."""
     return [Sign("box", "fill", (palette.FILL,))] if subject.fill is not None else []
 
 
-def shape_in_words(subject: Subject) -> str:
+def shape_in_words(subject: MapSubject) -> str:
     """View, cut and amplification."""
     framed = subject.framed
     cut = f", cut at {framed.cut.text}" if framed.cut else ""
     return f"{framed.view.name} view{cut} · {'true shape' if framed.factor == 1 else f'displacements × {framed.factor:g}'}"
 
 
-def _facts(subject: Subject) -> str:
+def _facts(subject: MapSubject) -> str:
     """Time, view, amplification, how far blocks are displaced at this time, and what they suffered, in two lines."""
     return (
         f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {shape_in_words(subject)}, relative to the base, "

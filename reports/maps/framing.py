@@ -15,7 +15,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
 from reports.drawing import palette
-from reports.drawing.cut import FACING, Cut, cut_named, plane_of
+from reports.drawing.cut import FACING, CutPlane, cut_named, plane_of
 from reports.drawing.figure import layout
 from reports.drawing.parts import Scale, View, Window
 from reports.drawing.solids import MARGIN, looking_at, structure_window, tops_of
@@ -50,7 +50,7 @@ class Framing:
 
     style: MapStyle
     view: View
-    cut: Cut | None
+    cut: CutPlane | None
     factor: float  # amplification of displacements
     window: Window
     alone: bool  # a single map, whose key names only what it shows
@@ -72,7 +72,7 @@ class Framing:
         return Scale(thresholds.opened, largest, palette.OPENING), Scale(thresholds.slid, largest, palette.SLIDING)
 
 
-def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
+def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, CutPlane | None]:
     """The view that a style asks for, and its cut.
 
     Raises:

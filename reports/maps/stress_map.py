@@ -24,10 +24,10 @@ from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.figure import in_metres
-from reports.drawing.parts import RULER, ColourClasses, Panel, Sign, painted, rgb
-from reports.drawing.scene import Scene
+from reports.drawing.parts import RULER, ColourClasses, KeyPanel, Sign, painted, rgb
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import within_sight
-from reports.maps.crack_map import Subject, fill_signs, other_signs, shape_in_words
+from reports.maps.crack_map import MapSubject, fill_signs, other_signs, shape_in_words
 from reports.maps.framing import MapStyle, framing
 from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
@@ -88,7 +88,7 @@ class Pressed:
         return float(values[worst]), places[worst] if np.isfinite(values[worst]) else ""
 
 
-def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:
+def stress_scene(results: Results, frame: int | None, style: MapStyle) -> PictureScene:
     """The stress map of a frame, or of the whole run for None.
 
     Raises:
@@ -97,7 +97,7 @@ def stress_scene(results: Results, frame: int | None, style: MapStyle) -> Scene:
     shape = frame_index(results, -1 if frame is None else frame)
     pressed = Pressed.of(results, None if frame is None else shape)
     framed = framing(results, [shape], style)
-    subject, faces = _with_elements(results, Subject.of(results, shape, framed), shape, pressed)
+    subject, faces = _with_elements(results, MapSubject.of(results, shape, framed), shape, pressed)
     colours = np.where(subject.solids.fixed[:, None], rgb(palette.SUPPORT), _colours(pressed, pressed.compression))
     dark = painted(palette.STRONG, subject.joints.count)
     joints = replace(subject.drawn_joints(), shown=pressed.open_above, colours=(dark, dark))
@@ -113,7 +113,7 @@ def _colours(pressed: Pressed, compression: np.ndarray) -> np.ndarray:
     return np.asarray(np.where(known, pressed.scale(np.nan_to_num(compression)) / 255.0, rgb(palette.STONE)))
 
 
-def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> tuple[Subject, np.ndarray | None]:
+def _with_elements(results: Results, subject: MapSubject, frame: int, pressed: Pressed) -> tuple[MapSubject, np.ndarray | None]:
     """Return the subject of the sheet, with meshed blocks by their facets, each in the colour (F, 3) of its element."""
     if results.meshes is None or pressed.of_elements is None:
         return subject, None
@@ -123,7 +123,7 @@ def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pres
     return replace(subject, solids=facetted.solids, drawn=within_sight(facetted.solids, moved)), faces
 
 
-def _key(subject: Subject, pressed: Pressed) -> list[Panel]:
+def _key(subject: MapSubject, pressed: Pressed) -> list[KeyPanel]:
     """The scale of colours, the signs and the scale bar."""
     peaks, scale = pressed.peaks, pressed.scale
     what = "edge above strength" if peaks.compared else "force at an edge"
@@ -138,10 +138,10 @@ def _key(subject: Subject, pressed: Pressed) -> list[Panel]:
             rows.append(Sign("", f"elements above strength: {int(over.sum()) or 'none'} of {len(over)}"))
     others = [Sign("box", "support", (palette.SUPPORT,)), *fill_signs(subject), *other_signs(subject)]
     name = f"{'Mean c' if pressed.of_elements is None else 'C'}ompression [{scale.unit}]"
-    return [Panel(scale=(name, scale)), Panel(rows), Panel(others), RULER]
+    return [KeyPanel(scale=(name, scale)), KeyPanel(rows), KeyPanel(others), RULER]
 
 
-def _facts(results: Results, subject: Subject, pressed: Pressed) -> str:
+def _facts(results: Results, subject: MapSubject, pressed: Pressed) -> str:
     """Which stress is shown, its largest value, view and amplification."""
     time = subject.pose.time
     by = "block" if pressed.of_elements is None else "element"

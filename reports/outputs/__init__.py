@@ -15,7 +15,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.mechanics.model.blocks import Block
 from reports.damage import thresholds_of
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.files import Job, output_of
 from reports.maps.crack_map import crack_scene
 from reports.maps.framing import MapStyle, framing, view_and_cut
@@ -93,7 +93,7 @@ def frame_at(results: Results, time: float | None) -> int:
     return frame_index(results, -1) if time is None else frames_at(results, [time])[0]
 
 
-def crack_scene_at(results: Results, settings: Report, time: float | None) -> Scene:
+def crack_scene_at(results: Results, settings: Report, time: float | None) -> PictureScene:
     """The crack map next to a time [s], the last for None.
 
     Raises:

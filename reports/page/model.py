@@ -17,7 +17,7 @@ from masonry_cd.analysis.deformed import Solids
 from masonry_cd.io.results import Results
 from reports.drawing import palette
 from reports.drawing.parts import Lines, Surface
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import auto_view, families_of
 from reports.maps.framing import COLLAPSE
 from reports.page.motion import PageMotion
@@ -31,7 +31,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def model_arrays(scene: Scene) -> dict[str, np.ndarray]:
+def model_arrays(scene: PictureScene) -> dict[str, np.ndarray]:
     """Faces, edges and joints of a scene, but for the vertices of its blocks."""
     faces = next(layer for layer in scene.layers if isinstance(layer, Surface) and layer.owner is not None)
     edges = next(layer for layer in scene.layers if isinstance(layer, Lines) and layer.outline)
@@ -51,7 +51,7 @@ def model_arrays(scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
-def blocks_and_damage(results: Results, solids: Solids, scene: Scene, table: JointDamage) -> dict[str, np.ndarray]:
+def blocks_and_damage(results: Results, solids: Solids, scene: PictureScene, table: JointDamage) -> dict[str, np.ndarray]:
     """All that does not move: the model, the groups, the damage table."""
     origin = origin_of(solids)
     family = np.zeros(len(results.blocks), np.uint8)

@@ -20,17 +20,17 @@ COSTS = {"seconds": "solver/seconds", "iterations": "solver/iterations", "contac
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class SeriesCurve:
     """A value over time: (P,) float32 each."""
 
     time: np.ndarray
     value: np.ndarray
 
 
-def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> Curve:
+def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> SeriesCurve:
     """The lowest and the highest value of each stretch, in the order in which they occur; all of them where they are few."""
     if len(value) <= points:
-        return Curve(time.astype(np.float32), value.astype(np.float32))
+        return SeriesCurve(time.astype(np.float32), value.astype(np.float32))
     bounds = np.linspace(0, len(value), points // 2 + 1).astype(np.int64)[:-1]
     stretch = np.repeat(np.arange(len(bounds)), np.diff(np.append(bounds, len(value))))
     sound = np.isfinite(value)
@@ -39,20 +39,20 @@ def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> Curve:
     order = np.lexsort((np.where(sound, value, -np.inf), stretch))
     highest = order[np.append(bounds[1:], len(value)) - 1]
     keep = np.unique(np.concatenate([[0, len(value) - 1], lowest, highest]))
-    return Curve(time[keep].astype(np.float32), value[keep].astype(np.float32))
+    return SeriesCurve(time[keep].astype(np.float32), value[keep].astype(np.float32))
 
 
-def base_motion(results: Results, motions: Sequence[SupportMotion]) -> dict[str, Curve]:
+def base_motion(results: Results, motions: Sequence[SupportMotion]) -> dict[str, SeriesCurve]:
     """Displacement [m] and velocity [m/s] of each motion of the supports, ``base/0/displacement/x`` and so on."""
     time = np.asarray(results.time, dtype=float)
-    out: dict[str, Curve] = {}
+    out: dict[str, SeriesCurve] = {}
     for k, motion in enumerate(motions):
         for name, values in (("displacement", motion.displacement), ("velocity", motion.velocity)):
             out |= {f"base/{k}/{name}/{axis}": thinned(time, column) for axis, column in zip("xyz", values.T, strict=True)}
     return out
 
 
-def step_curves(results: Results) -> dict[str, Curve]:
+def step_curves(results: Results) -> dict[str, SeriesCurve]:
     """Written per step: energies [J], solver error, cost; what a file does not hold, or an energy that is always zero, is left out."""
     time = _steps(results, "step_time")
     if time is None:

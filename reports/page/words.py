@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import EndState
 from masonry_cd.analysis.damage.joint_damage import JointDamage, in_words, joint_counts
-from masonry_cd.analysis.damage.part_damage import PartDamage, Settings
+from masonry_cd.analysis.damage.part_damage import DamageSettings, PartDamage
 from masonry_cd.analysis.damage.verdict import Checks, checks_of
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.outputs import PAGE, Number, numbers_in
@@ -51,7 +51,7 @@ class PageContext:
     @cached_property
     def measured(self) -> Measured:
         """The run, for its numbers."""
-        return Measured(self.results, Settings(self.thresholds), self.summary, self.parts)
+        return Measured(self.results, DamageSettings(self.thresholds), self.summary, self.parts)
 
     @property
     def solids(self) -> Solids:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
-from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.folder import StudyResults
 from masonry_cd.analysis.fragility.joint_runs import JointRuns, median, read_joint_runs
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.foundation.csv_files import write_csv
@@ -25,7 +25,7 @@ from masonry_cd.io.results import Results
 from reports.damage import thresholds_of
 from reports.drawing import palette
 from reports.drawing.figure import Sheet, layout_of
-from reports.drawing.parts import RULER, ColourClasses, Panel, Scale, Sign
+from reports.drawing.parts import RULER, ColourClasses, KeyPanel, Scale, Sign
 from reports.drawing.render import Canvas
 from reports.maps.crack_map import at_rest
 from reports.maps.framing import MapStyle
@@ -42,7 +42,7 @@ REFERENCE = "reference/result.h5"
 class JointStudy:
     """Joints of a study."""
 
-    study: Study
+    study: StudyResults
     runs: JointRuns
     thresholds: Thresholds  # from which on a joint counts as opened, or slid
     pairs: list[tuple[str, str]]  # the two blocks of each
@@ -104,7 +104,7 @@ class JointStudy:
             return draw_joint_values(results, maps, self.style)
 
 
-def joint_study(study: Study) -> JointStudy | None:
+def joint_study(study: StudyResults) -> JointStudy | None:
     """The joints of a study; None where it has no runs with joints.
 
     Raises:
@@ -121,7 +121,7 @@ def joint_study(study: Study) -> JointStudy | None:
     return None if runs is None or not pairs else JointStudy(study, runs, thresholds, pairs)
 
 
-def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
+def draw_joint_maps(study: StudyResults) -> tuple[list[Path], list[str], list[str]]:
     """Draw the maps that the runs allow, and write their table.
 
     Returns:
@@ -182,10 +182,10 @@ class JointValues:
         return self.values >= self.scale.bounds[0]
 
     @property
-    def key(self) -> list[Panel]:
+    def key(self) -> list[KeyPanel]:
         """The scale, the joints coloured, and the scale bar."""
         coloured = Sign("band", f"joints coloured: {int(self.drawn.sum())} of {len(self.values)}", (self.scale.middle,))
-        return [Panel(scale=(self.name, self.scale), wide=2), Panel([coloured]), RULER]
+        return [KeyPanel(scale=(self.name, self.scale), wide=2), KeyPanel([coloured]), RULER]
 
 
 def draw_joint_values(results: Results, maps: Iterable[JointValues], style: MapStyle) -> list[Path]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from masonry_cd.analysis.fragility.findings import Findings, findings_in
 from masonry_cd.analysis.fragility.fits import Fit
-from masonry_cd.analysis.fragility.folder import FIRST, Study
+from masonry_cd.analysis.fragility.folder import FIRST, StudyResults
 from masonry_cd.analysis.fragility.measures import unit
 from masonry_cd.analysis.fragility.rates import Rate
 from masonry_cd.analysis.fragility.sensitivity import COLUMNS
@@ -112,7 +112,7 @@ def _write_tables(found: Findings) -> tuple[list[Path], list[str]]:
     return [path for path in (table, facts, nrml, losses, sensitivity) if path.exists()], warnings
 
 
-class Diagram(NamedTuple):
+class StudyDiagram(NamedTuple):
     """A diagram: whether a study's design and its runs allow it, and what draws it."""
 
     allowed: Callable[[Findings], bool]
@@ -129,12 +129,12 @@ def _in_stripes(found: Findings) -> bool:
 
 
 DIAGRAMS = {
-    "fragility.png": Diagram(_fitted, fragility_picture),
-    "ida.png": Diagram(lambda found: bool(found.all_fits.curves and found.quantities), ida_picture),
-    "cloud.png": Diagram(lambda found: bool(found.all_fits.clouds), cloud_picture),
-    "stripes.png": Diagram(_in_stripes, stripes_picture),
-    "spread.png": Diagram(lambda found: not _fitted(found) and not _in_stripes(found) and bool(found.quantities), spread_picture),
-    "tornado.png": Diagram(lambda found: bool(found.correlations), tornado_picture),
+    "fragility.png": StudyDiagram(_fitted, fragility_picture),
+    "ida.png": StudyDiagram(lambda found: bool(found.all_fits.curves and found.quantities), ida_picture),
+    "cloud.png": StudyDiagram(lambda found: bool(found.all_fits.clouds), cloud_picture),
+    "stripes.png": StudyDiagram(_in_stripes, stripes_picture),
+    "spread.png": StudyDiagram(lambda found: not _fitted(found) and not _in_stripes(found) and bool(found.quantities), spread_picture),
+    "tornado.png": StudyDiagram(lambda found: bool(found.correlations), tornado_picture),
 }
 
 
@@ -197,7 +197,7 @@ def write_page(found: Findings, made: StudyReport) -> None:
     )
 
 
-def _settings(study: Study) -> dict[str, str]:
+def _settings(study: StudyResults) -> dict[str, str]:
     """Return the settings of the study."""
     asked = study.asked
     return {
@@ -250,7 +250,7 @@ def _rate(rate: Rate) -> list[str]:
     ]
 
 
-def _runs(study: Study) -> dict[str, Any]:
+def _runs(study: StudyResults) -> dict[str, Any]:
     """The table of runs: its columns, its first rows, which are numbers, and how many rows there are."""
     shown = [*FIRST[:4], *study.varied, *([study.asked.measure] if study.asked.measure else [])]
     shown += [name for name in RESULTS if name in study.columns] + ["status", "reason"]
@@ -260,7 +260,7 @@ def _runs(study: Study) -> dict[str, Any]:
     return {"columns": [name.replace("_", " ") for name in shown], "rows": rows, "numbers": numbers, "count": study.count}
 
 
-def _raw(study: Study, name: str, row: int) -> str:
+def _raw(study: StudyResults, name: str, row: int) -> str:
     """A cell as text, empty where there is nothing."""
     column = study.columns[name]
     if isinstance(column, list):
@@ -268,7 +268,7 @@ def _raw(study: Study, name: str, row: int) -> str:
     return "" if math.isnan(column[row]) else repr(float(column[row]))
 
 
-def _cell(study: Study, name: str, row: int) -> str | Badge:
+def _cell(study: StudyResults, name: str, row: int) -> str | Badge:
     """A cell of the table of runs; a run whose page is kept has its address."""
     raw, address = _raw(study, name, row), f"runs/{_raw(study, 'run', row)}/report.html"
     if name == "run" and re.fullmatch(r"[\w.-]+", raw) and (study.folder / address).exists():

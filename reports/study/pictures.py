@@ -12,12 +12,12 @@ import numpy as np
 from masonry_cd.analysis.fragility.bootstrap import bands
 from masonry_cd.analysis.fragility.findings import PANELS, Findings, quantity
 from masonry_cd.analysis.fragility.fits import ORDER, Fit
-from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.folder import StudyResults
 from masonry_cd.analysis.fragility.fragility import by_level
-from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
+from masonry_cd.analysis.fragility.ida import QUANTILES, IdaCurve, demand_quantiles, quantiles
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label, with_unit
-from masonry_cd.analysis.fragility.sensitivity import Correlation
+from masonry_cd.analysis.fragility.sensitivity import RankCorrelation
 from reports.drawing.figure import FAINT, INK, plain_axes, save
 from reports.drawing.plots import MARKERS, PALE, colour, halo, legend, limit_line, logarithmic, sheet
 
@@ -103,12 +103,12 @@ def _points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
             )  # fmt: skip
 
 
-def _limits(study: Study, column: str) -> list[tuple[int, LimitState]]:
+def _limits(study: StudyResults, column: str) -> list[tuple[int, LimitState]]:
     """The limit states of a quantity, with their place among all."""
     return [(k, limit) for k, limit in enumerate(study.limit_states) if limit.column == column and limit.continuous]
 
 
-def _largest_shown(study: Study, column: str, values: np.ndarray) -> float:
+def _largest_shown(study: StudyResults, column: str, values: np.ndarray) -> float:
     """Where the axis of a demand ends: at what stands, and at all limits."""
     standing = values[study.done & ~study.collapsed & np.isfinite(values)]
     bounds = [limit.bound for _, limit in _limits(study, column)]
@@ -145,7 +145,7 @@ def ida_picture(found: Findings, path: Path) -> None:
     save(figure, path)
 
 
-def _ida_curve(axes: Any, curve: Curve, values: np.ndarray, collapsed: np.ndarray, most: float) -> None:
+def _ida_curve(axes: Any, curve: IdaCurve, values: np.ndarray, collapsed: np.ndarray, most: float) -> None:
     """One record, up to its collapse."""
     y, x, at = curve.demands(values, collapsed)
     axes.plot(x, y, color=PALE, linewidth=0.9, zorder=2)
@@ -279,7 +279,7 @@ def tornado_picture(found: Findings, path: Path) -> None:
     save(figure, path)
 
 
-def _correlations(axes: Any, group: Sequence[Correlation]) -> None:
+def _correlations(axes: Any, group: Sequence[RankCorrelation]) -> None:
     """A panel."""
     named = set()
     for k, row in enumerate(group):

@@ -11,14 +11,14 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
-from structures.bridge.layout import SAME, Layout, Support
+from structures.bridge.layout import SAME, BridgeLayout, BridgeSupport
 from structures.bridge.masonry import backs, convex_parts, drawn_out, face_of, top_of
 from structures.geometry.compound_block import compound_block
 
 GROUP = "backing"
 
 
-def backings(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+def backings(layout: BridgeLayout, density: float) -> tuple[list[Block], list[FillFace]]:
     """The blocks ``backing.pier1`` ..., as wide as the fill, and what the fill touches of them; none without a table."""
     keys, blocks, faces = layout.keys.backing, list[Block](), list[FillFace]()
     for support in layout.supports if keys is not None else ():
@@ -33,7 +33,7 @@ def backings(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
     return blocks, faces
 
 
-def _outline(support: Support, level: float, walls: bool) -> np.ndarray:
+def _outline(support: BridgeSupport, level: float, walls: bool) -> np.ndarray:
     """The corners (n, 2) of a backing in the x-z plane, counter-clockwise from the left end of what it lies on [m]."""
     right = [(support.right, level)] if support.after is None else _climbed(support.after.extrados, level)
     left = [(support.left, level)] if support.before is None else _climbed(support.before.extrados[::-1], level)

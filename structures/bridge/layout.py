@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from masonry_cd.foundation.errors import Faults, InputError
-from structures.bridge.profile import Profile, profile_of, rise_of, voussoirs_of
-from structures.bridge.table import BridgeTable, SpanTable, SupportTable
+from structures.bridge.profile import SpanProfile, profile_of, rise_of, voussoirs_of
+from structures.bridge.table import BridgeSupportTable, BridgeTable, SpanTable
 
 COVER = 0.3  # of fill over the highest crown, by default [m]
 LEAST_COVER = 0.02  # [m]: of walls thinner than this over a crown nothing could be cut
@@ -21,16 +21,16 @@ LEAST_COURSE = 0.3  # of its course height: between two skewbacks of a pier ther
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class BridgeSupport:
     """A pier or an abutment in the x-z plane, with the joints on which arches stand."""
 
     name: str
-    keys: SupportTable
+    keys: BridgeSupportTable
     left: float  # x of its faces [m]
     right: float
     foot: float  # z [m]
-    before: Profile | None  # the arch that ends on it; None of a left abutment
-    after: Profile | None  # that begins on it
+    before: SpanProfile | None  # the arch that ends on it; None of a left abutment
+    after: SpanProfile | None  # that begins on it
     shelf: float = 0.0  # of a pier that goes on next to its lower springing: depth of the bed on which a wall stands there, at most [m]
 
     @property
@@ -73,12 +73,12 @@ class Support:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class BridgeLayout:
     """A bridge along the road."""
 
     keys: BridgeTable
-    profiles: tuple[Profile, ...]
-    supports: tuple[Support, ...]  # abutment, piers, abutment
+    profiles: tuple[SpanProfile, ...]
+    supports: tuple[BridgeSupport, ...]  # abutment, piers, abutment
     deck: float  # level of the road [m]
 
     @cached_property
@@ -96,12 +96,12 @@ class Layout:
         """Half the width between the walls [m]."""
         return 0.5 * self.keys.width - (0.0 if self.keys.walls is None else self.keys.walls.thickness)
 
-    def backing_level(self, support: Support) -> float:
+    def backing_level(self, support: BridgeSupport) -> float:
         """Up to where there is backing over a support [m]."""
         return support.springing + (self.keys.backing.height if self.keys.backing else 0.0)
 
 
-def layout_of(keys: BridgeTable) -> Layout:
+def layout_of(keys: BridgeTable) -> BridgeLayout:
     """Put the spans on their supports.
 
     Raises:
@@ -123,10 +123,10 @@ def layout_of(keys: BridgeTable) -> Layout:
     return made
 
 
-def laid_out(keys: BridgeTable) -> Layout:
+def laid_out(keys: BridgeTable) -> BridgeLayout:
     """The spans of sound keys on their supports."""
     profiles = [profile_of(span, left) for span, left in zip(keys.spans, _lefts(keys), strict=True)]
-    return Layout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
+    return BridgeLayout(keys, tuple(profiles), tuple(_supports(keys, profiles)), _deck(keys, profiles))
 
 
 def _is_sound(span: SpanTable, where: str, faults: Faults) -> bool:
@@ -171,9 +171,9 @@ def _check_counts(keys: BridgeTable, faults: Faults) -> None:
         faults.add("structure.fill.gone_at", f"must exceed active_at, {active:g}, got {gone:g}")
 
 
-def _pier(keys: BridgeTable, number: int) -> SupportTable:
+def _pier(keys: BridgeTable, number: int) -> BridgeSupportTable:
     """A pier by its number; of too few the last one, or one of the default measures, so that other faults are found as well."""
-    known = keys.piers or (SupportTable.model_validate({}),)
+    known = keys.piers or (BridgeSupportTable.model_validate({}),)
     return known[0 if len(known) == 1 else min(number, len(known) - 1)]
 
 
@@ -195,26 +195,26 @@ def _check_overlaps(spans: Sequence[SpanTable], lefts: Sequence[float], faults: 
             faults.add(f"structure.spans[{i}].start", f"span {i + 1} begins at {at}: they overlap, or leave no pier")
 
 
-def _supports(keys: BridgeTable, profiles: Sequence[Profile]) -> list[Support]:
+def _supports(keys: BridgeTable, profiles: Sequence[SpanProfile]) -> list[BridgeSupport]:
     first, last = keys.abutments[0], keys.abutments[-1]
     x, low = profiles[0].intrados[0]
     shelf = 0.0 if keys.walls is None else keys.walls.course_height
-    made = [Support("abutment1", first, float(x) - first.width, float(x), float(low) - first.height, None, profiles[0])]
+    made = [BridgeSupport("abutment1", first, float(x) - first.width, float(x), float(low) - first.height, None, profiles[0])]
     for i in range(len(profiles) - 1):
         (left, one), (right, other) = profiles[i].intrados[-1], profiles[i + 1].intrados[0]
         foot = float(min(one, other)) - _pier(keys, i).height
-        made.append(Support(f"pier{i + 1}", _pier(keys, i), float(left), float(right), foot, profiles[i], profiles[i + 1], shelf))
+        made.append(BridgeSupport(f"pier{i + 1}", _pier(keys, i), float(left), float(right), foot, profiles[i], profiles[i + 1], shelf))
     x, low = profiles[-1].intrados[-1]
-    made.append(Support("abutment2", last, float(x), float(x) + last.width, float(low) - last.height, profiles[-1], None))
+    made.append(BridgeSupport("abutment2", last, float(x), float(x) + last.width, float(low) - last.height, profiles[-1], None))
     return made
 
 
-def _deck(keys: BridgeTable, profiles: Sequence[Profile]) -> float:
+def _deck(keys: BridgeTable, profiles: Sequence[SpanProfile]) -> float:
     highest = max(profile.crown for profile in profiles)
     return highest + (COVER if keys.cover is None else keys.cover) if keys.deck is None else keys.deck
 
 
-def _check_seats(made: Layout, faults: Faults) -> None:
+def _check_seats(made: BridgeLayout, faults: Faults) -> None:
     """Supports that are too narrow for what stands on them, or too low for the step between two springings."""
     for i, support in enumerate(made.supports):
         first, last = support.seats
@@ -230,7 +230,7 @@ def _check_seats(made: Layout, faults: Faults) -> None:
                 faults.add(f"structure.spans[{i}].springing", f"{step:g} m from that of the span before it, more than {support.name} bears")
 
 
-def _check_deck(made: Layout, faults: Faults) -> None:
+def _check_deck(made: BridgeLayout, faults: Faults) -> None:
     """A road below an extrados, or below where one springs."""
     before = len(faults.found)
     _check_below(made.keys, made.deck, list(enumerate(made.profiles)), faults)
@@ -240,7 +240,7 @@ def _check_deck(made: Layout, faults: Faults) -> None:
         faults.add(f"structure.{key}", f"the fill ends at {made.deck:g} m, below the springings at {highest:.4g} m")
 
 
-def _check_backing(made: Layout, faults: Faults) -> None:
+def _check_backing(made: BridgeLayout, faults: Faults) -> None:
     """Backing that ends below where a span springs, or above a crown."""
     for support in made.supports if made.keys.backing is not None else ():
         least = max(float(end[1]) for end in support.seats) - support.springing
@@ -250,7 +250,7 @@ def _check_backing(made: Layout, faults: Faults) -> None:
             faults.add("structure.backing.height", f"must be between {between}, over {support.name}")
 
 
-def _check_below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, Profile]], faults: Faults) -> None:
+def _check_below(keys: BridgeTable, deck: float, profiles: Sequence[tuple[int, SpanProfile]], faults: Faults) -> None:
     """A road below the extrados of spans, by their numbers."""
     key, lefts = "cover" if keys.deck is None else "deck", _lefts(keys)
     for i, profile in profiles:

@@ -13,7 +13,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
 from masonry_cd.mechanics.model.geometry import Faces
 from masonry_cd.mechanics.model.polygon import clip
-from structures.bridge.layout import SAME, Layout, Support
+from structures.bridge.layout import SAME, BridgeLayout, BridgeSupport
 from structures.courser.bond import even
 from structures.courser.courses import divided
 from structures.geometry.compound_block import compound_block
@@ -22,14 +22,14 @@ from structures.geometry.prism import prism_xz, rectangle
 SLAB = 0.5  # thickness of the fixed feet [m]
 
 
-def drawn_out(layout: Layout, polygon: np.ndarray, near: float, far: float) -> tuple[np.ndarray, Faces]:
+def drawn_out(layout: BridgeLayout, polygon: np.ndarray, near: float, far: float) -> tuple[np.ndarray, Faces]:
     """A polygon (n, 2) of the x-z plane between two places across the road, slanted by the skew."""
     vertices, faces = prism_xz(polygon, near, far)
     vertices[:, 0] += layout.slant * vertices[:, 1]
     return vertices, faces
 
 
-def face_of(layout: Layout, line: np.ndarray, near: float, far: float) -> np.ndarray:
+def face_of(layout: BridgeLayout, line: np.ndarray, near: float, far: float) -> np.ndarray:
     """Corners (4, 3) of the face over a line (2, 2) of the x-z plane from left to right, counter-clockwise seen from above [m]."""
     (x0, z0), (x1, z1) = line
     corners = np.array([[x0, near, z0], [x1, near, z1], [x1, far, z1], [x0, far, z0]])
@@ -37,7 +37,7 @@ def face_of(layout: Layout, line: np.ndarray, near: float, far: float) -> np.nda
     return corners
 
 
-def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+def arches(layout: BridgeLayout, density: float) -> tuple[list[Block], list[FillFace]]:
     """The voussoirs, ``arch1.v3``, of several rings ``arch1_ring2.v3``, of several strips ``arch1.v3.2``; and their extradoses."""
     blocks, faces = list[Block](), list[FillFace]()
     for number, profile in enumerate(layout.profiles, start=1):
@@ -56,7 +56,7 @@ def arches(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]
     return blocks, faces
 
 
-def _bare(layout: Layout, span: int, line: np.ndarray) -> np.ndarray:
+def _bare(layout: BridgeLayout, span: int, line: np.ndarray) -> np.ndarray:
     """Return the part of a line (2, 2) of the extrados of a span above the backing next to it, (2, 2) or none (0, 2) [m]."""
     if layout.keys.backing is None:
         return line
@@ -68,13 +68,13 @@ def _bare(layout: Layout, span: int, line: np.ndarray) -> np.ndarray:
     return np.array([cut if height[0] < -SAME else line[0], cut if height[1] < -SAME else line[1]])
 
 
-def _cuts(layout: Layout, row: int) -> list[float]:
+def _cuts(layout: BridgeLayout, row: int) -> list[float]:
     """Where a row of voussoirs is cut across the width, in running bond [m]."""
     half, strips = 0.5 * layout.keys.width, layout.keys.strips
     return [-half, *even(-half, half, strips, odd=row % 2 == 1 and strips > 1), half]
 
 
-def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+def supports(layout: BridgeLayout, density: float) -> tuple[list[Block], list[FillFace]]:
     """Piers and abutments with their fixed feet, and what the fill touches of them."""
     blocks, faces = list[Block](), list[FillFace]()
     half = 0.5 * layout.keys.width
@@ -97,7 +97,7 @@ def supports(layout: Layout, density: float) -> tuple[list[Block], list[FillFace
     return blocks + _feet(layout, density), faces
 
 
-def _head(support: Support, top: list[tuple[float, float]], low: float) -> list[list[np.ndarray]]:
+def _head(support: BridgeSupport, top: list[tuple[float, float]], low: float) -> list[list[np.ndarray]]:
     """The topmost stones of a support from a level up, by their convex parts (n, 2).
 
     Both skewbacks are cut from one stone, so that either thrust has a bed of the whole pier. Where the foot of one lies over the top of the
@@ -123,7 +123,7 @@ def steep(line: np.ndarray) -> bool:
     return bool(up > across)
 
 
-def top_of(support: Support, walls: bool) -> list[tuple[float, float]]:
+def top_of(support: BridgeSupport, walls: bool) -> list[tuple[float, float]]:
     """The line from the end of the one extrados to the beginning of the other: level where a wall stands on it next to a steep one.
 
     It steps where the pier goes on next to its lower springing.
@@ -166,7 +166,7 @@ def _convex(polygon: np.ndarray) -> bool:
     return bool((_turns(polygon) > 0.0).all())
 
 
-def backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]:
+def backs(layout: BridgeLayout, support: BridgeSupport, own: list[Block]) -> list[FillFace]:
     """The backs of blocks of an abutment, against which there is fill; none of a pier."""
     if support.before is not None and support.after is not None:
         return []
@@ -184,7 +184,7 @@ def backs(layout: Layout, support: Support, own: list[Block]) -> list[FillFace]:
     return found
 
 
-def _feet(layout: Layout, density: float) -> list[Block]:
+def _feet(layout: BridgeLayout, density: float) -> list[Block]:
     """A fixed slab under each support of blocks, up to the middle of the spans next to it."""
     found, margin = list[Block](), 0.5 * (layout.deck - min(support.foot for support in layout.supports))
     for i, support in enumerate(layout.supports):
@@ -198,7 +198,7 @@ def _feet(layout: Layout, density: float) -> list[Block]:
     return found
 
 
-def _reach(layout: Layout, span: int, face: float) -> float:
+def _reach(layout: BridgeLayout, span: int, face: float) -> float:
     """How far a foot reaches under a span: to its middle, or to a fixed support on its far side."""
     beside = layout.supports[span : span + 2]
     far = next((s for s in beside if s.keys.rigid), None)

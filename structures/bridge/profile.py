@@ -23,7 +23,7 @@ CHORD = 0.6  # or this share of the thickness of its ring
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class SpanProfile:
     """A span in its place: L = rings + 1 lines with N + 1 points each."""
 
     lines: np.ndarray  # (L, N + 1, 2) x, z from the intrados outwards, from left to right [m]
@@ -73,7 +73,7 @@ def _most_to_the_apex(span: SpanTable) -> int:
     return max(2, int(0.5 * middle / (middle - inner)))
 
 
-def profile_of(span: SpanTable, left: float) -> Profile:
+def profile_of(span: SpanTable, left: float) -> SpanProfile:
     """The rings of a span whose keys are sound and whose left springing is at x = ``left`` [m]."""
     count = voussoirs_of(span)
     points, normals = _ellipse(span, count) if span.shape == "elliptical" else _circles(span, count)
@@ -82,7 +82,7 @@ def profile_of(span: SpanTable, left: float) -> Profile:
     thickness = span.thickness + (springing - span.thickness) * share
     out = np.linspace(0.0, 1.0, span.rings + 1)[:, None] * thickness
     lines = points + out[:, :, None] * normals
-    return Profile(lines + [left + 0.5 * span.span, span.springing])
+    return SpanProfile(lines + [left + 0.5 * span.span, span.springing])
 
 
 def _circles(span: SpanTable, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from structures.bridge.layout import SAME, Layout, Support
+from structures.bridge.layout import SAME, BridgeLayout, BridgeSupport
 from structures.bridge.masonry import top_of
 from structures.courser.bond import LEAST_BOND, cleared
 from structures.courser.courses import CourseStretch, cut, heads_of, joined
@@ -119,7 +119,7 @@ class Half:
         return found
 
 
-def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
+def pieces(layout: BridgeLayout, above: Sequence[float] = ()) -> list[np.ndarray]:
     """All stones of a spandrel wall over the supports and the arches, (n, 2) each, by height and then by x.
 
     Args:
@@ -144,7 +144,7 @@ def pieces(layout: Layout, above: Sequence[float] = ()) -> list[np.ndarray]:
     return sorted(found, key=lambda polygon: (round(float(polygon[:, 1].min()), 6), float(polygon[:, 0].min())))
 
 
-def _in_bond(layout: Layout, row: CourseStretch, met: Sequence[float]) -> list[float]:
+def _in_bond(layout: BridgeLayout, row: CourseStretch, met: Sequence[float]) -> list[float]:
     """x of the head joints of a course, in that of two bonds which lies farther from the joints that meet its beds [m].
 
     It begins at the middle of the pier or at the back of the abutment that the course lies over, or at the middle of the course.
@@ -162,7 +162,7 @@ def _in_bond(layout: Layout, row: CourseStretch, met: Sequence[float]) -> list[f
     return [cleared(x, met, LEAST_BOND * unit, ends) for x in heads]
 
 
-def _halves(layout: Layout, support: Support) -> list[tuple[Half, float]]:
+def _halves(layout: BridgeLayout, support: BridgeSupport) -> list[tuple[Half, float]]:
     """The halves of arches that stand on a support, and which way they go."""
     assert layout.keys.walls is not None
     line, found = top_of(support, True), list[tuple[Half, float]]()

@@ -38,7 +38,7 @@ class SpanTable(Table):
     """x of the left springing; by default behind the pier before it"""
 
 
-class SupportTable(Table):
+class BridgeSupportTable(Table):
     """A pier or an abutment."""
 
     width: Length = 1.2
@@ -51,7 +51,7 @@ class SupportTable(Table):
     """of its blocks, about"""
 
 
-class AbutmentTable(SupportTable):
+class AbutmentTable(BridgeSupportTable):
     """An abutment."""
 
     width: Length = 1.5
@@ -62,7 +62,7 @@ class AbutmentTable(SupportTable):
     """one fixed block; else courses of blocks on a fixed foot, with fill behind them"""
 
 
-class WallTable(Table):
+class SpandrelTable(Table):
     """The spandrel walls, and what belongs to them."""
 
     thickness: Thickness = Field(0.4)
@@ -115,7 +115,7 @@ class BridgeTable(Table):
 
     spans: tuple[SpanTable, ...] = Field(strict=False, min_length=1, max_length=MOST_SPANS)
     """from left to right"""
-    piers: tuple[SupportTable, ...] = Field((SupportTable.model_validate({}),), strict=False, max_length=MOST_SPANS)
+    piers: tuple[BridgeSupportTable, ...] = Field((BridgeSupportTable.model_validate({}),), strict=False, max_length=MOST_SPANS)
     """one for all, or one between each two spans"""
     abutments: tuple[AbutmentTable, ...] = Field((AbutmentTable.model_validate({}),), strict=False, min_length=1, max_length=2)
     """one for both, or the left and the right"""
@@ -129,7 +129,7 @@ class BridgeTable(Table):
     """of fill over the highest crown; by default 0.3 m"""
     deck: Place | None = None
     """or the level of the road"""
-    walls: WallTable | None = None
+    walls: SpandrelTable | None = None
     """spandrel walls, wing walls and parapets; without them a strip that may move in its plane"""
     backing: BackingTable | None = None
     """over piers and abutments; without it the fill reaches down to them"""

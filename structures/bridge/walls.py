@@ -9,7 +9,7 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.fill import FillFace
-from structures.bridge.layout import Layout, Support
+from structures.bridge.layout import BridgeLayout, BridgeSupport
 from structures.bridge.masonry import SLAB, drawn_out
 from structures.bridge.spandrels import pieces
 from structures.courser.courses import CourseStretch, cut, divided, heads_of
@@ -18,7 +18,7 @@ from structures.geometry.prism import rectangle
 SIDES = (("front", -1.0), ("back", 1.0))
 
 
-def walls(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
+def walls(layout: BridgeLayout, density: float) -> tuple[list[Block], list[FillFace]]:
     """All walls: groups ``spandrel_front``, ``wing1_front`` ..., ``parapet_front`` and those at the back.
 
     The spandrel walls stand on the edges of the arches, as far as they are thick.
@@ -50,13 +50,13 @@ def walls(layout: Layout, density: float) -> tuple[list[Block], list[FillFace]]:
     return blocks, faces
 
 
-def _inner(layout: Layout, polygon: np.ndarray, y: float, sign: float) -> np.ndarray:
+def _inner(layout: BridgeLayout, polygon: np.ndarray, y: float, sign: float) -> np.ndarray:
     """The inner face of a stone of a wall, whose area points into the fill: (n, 3) [m]."""
     corners = np.stack([polygon[:, 0] + layout.slant * y, np.full(len(polygon), y), polygon[:, 1]], axis=1)
     return corners if sign > 0 else corners[::-1]
 
 
-def _rows(layout: Layout, low: float, high: float, start: float, end: float, course: float) -> list[np.ndarray]:
+def _rows(layout: BridgeLayout, low: float, high: float, start: float, end: float, course: float) -> list[np.ndarray]:
     """The stones of a wall between two levels and two upright ends."""
     assert layout.keys.walls is not None
     unit = layout.keys.walls.unit_length
@@ -67,18 +67,18 @@ def _rows(layout: Layout, low: float, high: float, start: float, end: float, cou
     return found
 
 
-def _foot(support: Support) -> float:
+def _foot(support: BridgeSupport) -> float:
     """Where a wing wall stands: on the level of a fixed abutment, or next to one of blocks on its foot [m]."""
     return support.springing if support.keys.rigid else support.foot
 
 
-def _wing(layout: Layout, support: Support, far: float) -> list[np.ndarray]:
+def _wing(layout: BridgeLayout, support: BridgeSupport, far: float) -> list[np.ndarray]:
     assert layout.keys.walls is not None
     near = support.left if support.before is None else support.right
     return _rows(layout, _foot(support), layout.deck, min(near, far), max(near, far), layout.keys.walls.course_height)
 
 
-def _wing_feet(layout: Layout, support: Support, far: float, density: float, number: int) -> list[Block]:
+def _wing_feet(layout: BridgeLayout, support: BridgeSupport, far: float, density: float, number: int) -> list[Block]:
     """Return the supports of the wing walls behind a fixed abutment; one of blocks has a foot that reaches as far."""
     near = support.left if support.before is None else support.right
     if not support.keys.rigid:
@@ -88,6 +88,6 @@ def _wing_feet(layout: Layout, support: Support, far: float, density: float, num
     return [Block(f"foot_wing{number}", *drawn_out(layout, polygon, -half, half), density, "base", fixed=True)]
 
 
-def _parapet(layout: Layout, start: float, end: float, height: float) -> list[np.ndarray]:
+def _parapet(layout: BridgeLayout, start: float, end: float, height: float) -> list[np.ndarray]:
     assert layout.keys.walls is not None
     return _rows(layout, layout.deck, layout.deck + height, start, end, layout.keys.walls.course_height)

@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import Faults, InputError
 from structures.building.axes import Leg
-from structures.building.columns import Row
+from structures.building.columns import ColumnRow
 from structures.building.frames import NATURAL_RISE
 from structures.building.table import ArcadeTable, BuildingTable, BuildingWallTable, ButtressTable
 from structures.geometry.polygons import without_straight
@@ -23,7 +23,7 @@ BUTTRESSES = "buttresses"  # their group
 RING = 0.38  # of a column: most that the ring of an arch takes of what two of them spring from
 
 
-def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults: Faults) -> dict[str, list[BuildingWallTable]]:
+def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[ColumnRow], faults: Faults) -> dict[str, list[BuildingWallTable]]:
     """The walls of all arcades and buttresses by their keys, next to the legs of other walls; what is wrong is added to the faults."""
     found = dict[str, list[BuildingWallTable]]()
     for k, arcade in enumerate(table.arcades):
@@ -39,7 +39,7 @@ def added(table: BuildingTable, legs: Sequence[Leg], rows: Sequence[Row], faults
     return found
 
 
-def _row(name: str, rows: Sequence[Row]) -> Row:
+def _row(name: str, rows: Sequence[ColumnRow]) -> ColumnRow:
     """The row of columns of a name.
 
     Raises:
@@ -54,22 +54,22 @@ def _row(name: str, rows: Sequence[Row]) -> Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class ArchSupport:
     """Support from which an arch springs."""
 
     place: np.ndarray  # (2,) [m]
     half: float  # of its width along the arcade [m]
 
 
-def _arcade(keys: ArcadeTable, name: str, row: Row, table: BuildingTable, legs: Sequence[Leg]) -> list[BuildingWallTable]:
+def _arcade(keys: ArcadeTable, name: str, row: ColumnRow, table: BuildingTable, legs: Sequence[Leg]) -> list[BuildingWallTable]:
     """The wall over a row of columns, and the responds against the walls at its ends, from which its outer arches spring.
 
     Raises:
         InputError: no wall at one of its ends.
     """
     size, base = row.keys.size, row.keys.base + row.keys.height
-    columns = [Support(place, 0.5 * size) for place in row.places]
-    ends = [Support(np.array(end), _half_wall(legs, np.array(end)) + 0.5 * size) for end in keys.ends or ()]
+    columns = [ArchSupport(place, 0.5 * size) for place in row.places]
+    ends = [ArchSupport(np.array(end), _half_wall(legs, np.array(end)) + 0.5 * size) for end in keys.ends or ()]
     supports = [*ends[:1], *columns, *ends[1:]]
     first = supports[0].place if ends else _beyond(row.places[1], row.places[0], 0.5 * size)
     last = supports[-1].place if len(ends) > 1 else _beyond(row.places[-2], row.places[-1], 0.5 * size)
@@ -113,7 +113,9 @@ def _beyond(start: np.ndarray, end: np.ndarray, by: float) -> np.ndarray:
     return np.asarray(end + by * (end - start) / math.dist(start, end))
 
 
-def _arches(keys: ArcadeTable, supports: Sequence[Support], size: float, table: BuildingTable, before: float) -> Iterator[dict[str, Any]]:
+def _arches(
+    keys: ArcadeTable, supports: Sequence[ArchSupport], size: float, table: BuildingTable, before: float
+) -> Iterator[dict[str, Any]]:
     """The openings between supports; the axis begins so far before the first of them [m]."""
     at = before
     for k, (a, b) in enumerate(pairwise(supports)):

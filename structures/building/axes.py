@@ -37,7 +37,7 @@ INNER = 0.12  # by how much of the thickness its inner face is shorter at each e
 Span = tuple[float, float]  # a stretch of an axis, from its start [m]
 
 
-class Bend(NamedTuple):
+class AxisEnd(NamedTuple):
     """The end of a piece of an axis."""
 
     point: np.ndarray  # (2,) [m]
@@ -224,23 +224,23 @@ def _profile(keys: BuildingWallTable, length: float) -> tuple[tuple[float, float
     return tuple((s, round(keys.base + z, DIGITS)) for s, z in keys.top)
 
 
-def _bends(keys: BuildingWallTable, whole: Sequence[Span]) -> Iterator[Bend]:
+def _bends(keys: BuildingWallTable, whole: Sequence[Span]) -> Iterator[AxisEnd]:
     """The corners of an axis with its arcs as chords."""
     first = keys.axis[0]
     if isinstance(first, ArcTable):
         raise InputError("", "its axis begins with an arc; begin with a point")
     point, length = np.array(first, dtype=float), 0.0
-    yield Bend(point, length)
+    yield AxisEnd(point, length)
     for piece in keys.axis[1:]:
         if isinstance(piece, ArcTable):
             chords = _arc(point, piece, _stretches(keys, whole, length), keys)
             for k, (there, along) in enumerate(chords):
-                yield Bend(there, length + along, k < len(chords) - 1)
+                yield AxisEnd(there, length + along, k < len(chords) - 1)
             length, point = length + along, there
         else:
             there = np.array(piece, dtype=float)
             length, point = length + float(np.hypot(*(there - point))), there
-            yield Bend(point, length)
+            yield AxisEnd(point, length)
 
 
 def _arc(start: np.ndarray, arc: ArcTable, fixed: Sequence[Span], keys: BuildingWallTable) -> list[tuple[np.ndarray, float]]:

@@ -23,7 +23,7 @@ LEAST_HEIGHT = 1.5  # of a round column, in diameters: what is lower has no plin
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class ColumnRow:
     """A row of columns, or a single one."""
 
     name: str
@@ -32,9 +32,9 @@ class Row:
     where: str  # its key
 
 
-def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
+def rows_of(table: BuildingTable, faults: Faults) -> list[ColumnRow]:
     """The columns of a table by rows; what is wrong is added to the faults."""
-    found: list[Row] = []
+    found: list[ColumnRow] = []
     for k, keys in enumerate(table.columns):
         name = keys.name or f"column{k + 1}"
         with faults.of():
@@ -42,7 +42,7 @@ def rows_of(table: BuildingTable, faults: Faults) -> list[Row]:
         with faults.of(f"structure.columns[{k}]", f"columns {name}"):
             if name in {row.name for row in found}:
                 raise InputError("", f'other ones have the name "{name}", too')
-            found.append(Row(name, keys, tuple(_places(keys)), f"structure.columns[{k}]"))
+            found.append(ColumnRow(name, keys, tuple(_places(keys)), f"structure.columns[{k}]"))
     return found
 
 
@@ -99,7 +99,7 @@ def _places(keys: BuildingColumnTable) -> np.ndarray:
     return places
 
 
-def blocks_of(row: Row, table: BuildingTable, density: float) -> list[Block]:
+def blocks_of(row: ColumnRow, table: BuildingTable, density: float) -> list[Block]:
     """The blocks ``NAME.cNUMBER.PART`` of a row of columns."""
     found = []
     for i, place in enumerate(row.places, start=1):
@@ -108,7 +108,7 @@ def blocks_of(row: Row, table: BuildingTable, density: float) -> list[Block]:
     return found
 
 
-def _round(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
+def _round(row: ColumnRow, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
     """A column with plinth and capital, as wide as an arcade needs."""
     keys = row.keys
     plain, plinth, capital = _ends(keys)
@@ -126,7 +126,7 @@ def _round(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, densi
     return column((float(place[0]), float(place[1])), keys.base, own, density, prefix, row.name)
 
 
-def _square(row: Row, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
+def _square(row: ColumnRow, place: np.ndarray, prefix: str, table: BuildingTable, density: float) -> list[Block]:
     """A pier in courses of stones that lie crosswise in turns."""
     keys = row.keys
     half, turn = 0.5 * keys.size, math.radians(keys.turned)

@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.mechanics.model.polygon import loop_area, loop_normal
 from structures.macro_elements import walls
 from structures.macro_elements.element import AROUND, HINGES, OVERTURNING, MacroElement, Vector
-from structures.macro_elements.layout import Layout
+from structures.macro_elements.layout import BlockLayout
 
 COURSE, COLUMN = re.compile(r"\d+$"), re.compile(r"c\d+$")  # second part of the name of a stone of a wall, and of a column
 RESTING = ("roof", "floor")  # groups that load walls and are no part by themselves
@@ -22,7 +22,7 @@ ONE = 1e-3  # faces turned by less are alike [rad]
 STRAIGHT = 0.8  # share of the faces of a wall that lie alike, at least; with less it is curved and has no plane of its own
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """Every wall out of its plane, to both sides, and in it where it is straight; corners; vaults; columns."""
     free = np.flatnonzero(~layout.fixed)
     by_wall: dict[str, list[int]] = {}
@@ -42,14 +42,14 @@ def parts(layout: Layout) -> list[MacroElement]:
     return found + (walls.corners(layout, np.array(masonry)) if masonry else [])
 
 
-def _wall(layout: Layout, name: str, own: np.ndarray) -> list[MacroElement]:
+def _wall(layout: BlockLayout, name: str, own: np.ndarray) -> list[MacroElement]:
     """A wall by its name."""
     out, straight = _facing(layout, own, _across(layout, own))
     found = walls.out_of_plane(layout, name, own, (out, (-out[0] + 0.0, -out[1] + 0.0, 0.0)), _eaves(layout, own, out), "wall")
     return found + (_in_plane(layout, name, out) if straight else [])
 
 
-def _in_plane(layout: Layout, name: str, out: Vector) -> list[MacroElement]:
+def _in_plane(layout: BlockLayout, name: str, out: Vector) -> list[MacroElement]:
     """A wall in its own plane, which has a normal."""
     along = np.array([-out[1], out[0]])
     if abs(along).max() == 1.0:  # along x or y
@@ -58,7 +58,7 @@ def _in_plane(layout: Layout, name: str, out: Vector) -> list[MacroElement]:
     return [replace(one, directions=ways) for one in walls.in_plane(layout.turned(along), name, name)]
 
 
-def _facing(layout: Layout, own: np.ndarray, across: Vector) -> tuple[Vector, bool]:
+def _facing(layout: BlockLayout, own: np.ndarray, across: Vector) -> tuple[Vector, bool]:
     """The normal of the faces of a wall, near a direction across it, and whether most of them have it."""
     areas, angles = [], []
     for k in own.tolist():
@@ -80,7 +80,7 @@ def _facing(layout: Layout, own: np.ndarray, across: Vector) -> tuple[Vector, bo
     return (round(sign * x, 9) + 0.0, round(sign * y, 9) + 0.0, 0.0), bool(area[alike].sum() > STRAIGHT * area.sum())
 
 
-def _across(layout: Layout, own: np.ndarray) -> Vector:
+def _across(layout: BlockLayout, own: np.ndarray) -> Vector:
     """Unit vector across a wall: along the shortest axis of inertia of the middles of its stones in plan."""
     middle = layout.middle[own, :2]
     xx, yy, xy = ((middle[:, i] - middle[:, i].mean()) @ (middle[:, j] - middle[:, j].mean()) for i, j in ((0, 0), (1, 1), (0, 1)))
@@ -89,14 +89,14 @@ def _across(layout: Layout, own: np.ndarray) -> Vector:
     return (round(x, 9) + 0.0, round(y, 9) + 0.0, 0.0)
 
 
-def _eaves(layout: Layout, own: np.ndarray, out: Vector) -> float:
+def _eaves(layout: BlockLayout, own: np.ndarray, out: Vector) -> float:
     """Up to where a wall has its full length [m]: the lower one of the tops of its two ends."""
     along = layout.middle[own, 0] * out[1] - layout.middle[own, 1] * out[0]
     reach = END * float(np.ptp(along))
     return min(layout.top(own[along <= along.min() + reach]), layout.top(own[along >= along.max() - reach]))
 
 
-def _columns(layout: Layout, name: str, own: np.ndarray) -> list[MacroElement]:
+def _columns(layout: BlockLayout, name: str, own: np.ndarray) -> list[MacroElement]:
     """Each column of a row."""
     each = dict.fromkeys(str(layout.piece[b]) for b in own)
     return [MacroElement(f"{name} {piece[1:]}", "column", own[layout.piece[own] == piece], AROUND, (OVERTURNING,)) for piece in each]

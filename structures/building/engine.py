@@ -25,7 +25,7 @@ from structures.building.axes import SAME, Facet, Leg, legs_of
 from structures.building.beds import beds
 from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
-from structures.building.panels import Laying, Piece, lay
+from structures.building.panels import FacetStone, Laying, lay
 from structures.building.slivers import Stone, joined
 from structures.building.stones import across, parts_of, stone, welded
 from structures.building.table import ArcTable, BuildingTable, BuildingWallTable
@@ -33,7 +33,7 @@ from structures.building.widths import NARROW
 from structures.geometry import polygons
 from structures.layout.pockets import with_pockets
 from structures.plans.places import place
-from structures.ties import Bar
+from structures.ties import PlacedBar
 
 SLIVER = 0.1  # of the thickness of a vault: what it leaves of a stone that is thinner goes to another
 MOST_FACETS = 400  # of walls up to which arcs are cut again for their junctions: each time all junctions are looked for
@@ -50,7 +50,7 @@ class Walls:
     layings: list[Laying]  # of each leg
 
 
-def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[Bar], list[str]]:
+def blocks_of(table: BuildingTable, density: float) -> tuple[list[Block], list[PlacedBar], list[str]]:
     """The blocks of a building without its base, the tie beams of its roofs, and a line on each wall that is near others and joins none.
 
     Args:
@@ -83,7 +83,7 @@ def blocks_of_walls(walls: Walls, density: float) -> list[Block]:
     return _all_blocks(walls, [stone for k, leg in enumerate(walls.plan.legs) for stone in _leg_stones(walls, k, leg)], density)
 
 
-def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Row] = ()) -> Walls:
+def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.ColumnRow] = ()) -> Walls:
     """The walls of a table, and those of its arcades on rows of columns, with their junctions, beds and openings.
 
     Args:
@@ -204,7 +204,7 @@ def _check_courses(plan: BuildingPlan, layings: Sequence[Laying], faults: Faults
                 )
 
 
-def _check_feet(plan: BuildingPlan, rows: Sequence[columns.Row], faults: Faults) -> None:
+def _check_feet(plan: BuildingPlan, rows: Sequence[columns.ColumnRow], faults: Faults) -> None:
     """A wall that begins above the lowest one has walls or columns under it."""
     lowest = min((leg.base for leg in plan.legs), default=0.0)
     for leg in plan.legs:
@@ -220,7 +220,7 @@ def _check_feet(plan: BuildingPlan, rows: Sequence[columns.Row], faults: Faults)
             faults.add(leg.where, f"wall {leg.keys.name}: nothing is under it at {at}")
 
 
-def _check_columns(plan: BuildingPlan, rows: Sequence[columns.Row], faults: Faults) -> None:
+def _check_columns(plan: BuildingPlan, rows: Sequence[columns.ColumnRow], faults: Faults) -> None:
     """No column stands in a wall."""
     for row in rows:
         for at in row.places:
@@ -278,10 +278,10 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
     if laying.leaves is not None:
         return list(leaves.stones(walls.plan, number, laying, walls.frames.get((number, 0), [])))
     found: list[tuple[int, list[Shell]]] = []
-    before: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the next facet
-    first: dict[int, tuple[int, Piece]] = {}  # by course, the stone that reaches the mitre before the first facet
+    before: dict[int, tuple[int, FacetStone]] = {}  # by course, the stone that reaches the mitre before the next facet
+    first: dict[int, tuple[int, FacetStone]] = {}  # by course, the stone that reaches the mitre before the first facet
     for f, facet in enumerate(leg.facets):
-        ends: dict[int, tuple[int, Piece]] = {}
+        ends: dict[int, tuple[int, FacetStone]] = {}
         for piece in lay(walls.plan, number, f, laying, walls.frames.get((number, f), [])):
             parts = parts_of(piece, facet, leg.thickness)
             at = len(found)
@@ -302,7 +302,7 @@ def _leg_stones(walls: Walls, number: int, leg: Leg) -> list[Stone]:
     return [Stone(number, course, tuple(parts), NARROW * leg.thickness) for course, parts in found if parts]
 
 
-def _turns(one: Piece, other: Piece) -> bool:
+def _turns(one: FacetStone, other: FacetStone) -> bool:
     """Return True if two stones next to a bend are one: in odd courses, where both are level."""
     level = polygons.is_rectangle(one.shape) and polygons.is_rectangle(other.shape)
     return one.course % 2 == 1 and level and one.shape.bounds[1::2] == other.shape.bounds[1::2]

@@ -22,7 +22,7 @@ from shapely.geometry.base import BaseGeometry
 
 from masonry_cd.mechanics.model.polygon import clip
 from structures.building.axes import SAME, Facet, Leg
-from structures.building.junctions import Arm, Junction, Pair
+from structures.building.junctions import Arm, FacetPair, Junction
 from structures.building.widths import NARROW, without_tails
 from structures.geometry import polygons
 
@@ -58,7 +58,7 @@ class BuildingPlan:
             self.shapes[key] = _drawn_out(self, leg, facet)
         return self.shapes[key]
 
-    def arms(self, leg: int, facet: int) -> list[tuple[Junction, Pair, Arm, Arm]]:
+    def arms(self, leg: int, facet: int) -> list[tuple[Junction, FacetPair, Arm, Arm]]:
         """The junctions of a facet: its arm of each pair, and the other."""
         return [
             (junction, pair, own, other)
@@ -138,7 +138,7 @@ def _in_turn(junction: Junction, legs: Sequence[int], course: int) -> list[int]:
     return sorted(legs, key=lambda leg: -wins[leg])
 
 
-def _first_of(pair: Pair, course: int) -> int:
+def _first_of(pair: FacetPair, course: int) -> int:
     """Which of two walls runs through in a course."""
     share = float(pair.bond == "bonded") if isinstance(pair.bond, str) else pair.bond
     other = math.floor((course + 1) * 0.5 * share + 1e-9) > math.floor(course * 0.5 * share + 1e-9)

@@ -42,7 +42,7 @@ class Arm:
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class FacetPair:
     """Two facets that meet."""
 
     arms: tuple[Arm, Arm]
@@ -56,7 +56,7 @@ class Pair:
 class Junction:
     """Walls that meet in one place."""
 
-    pairs: tuple[Pair, ...]
+    pairs: tuple[FacetPair, ...]
     legs: tuple[int, ...]  # in the order of the scene
 
     @property
@@ -79,7 +79,7 @@ def find(legs: Sequence[Leg], table: BuildingTable, faults: Faults) -> list[Junc
         return []
     pairs = _without_doubles(pairs)
     bonds = _bonds(legs, pairs, table, refused, faults)
-    pairs = [Pair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]
+    pairs = [FacetPair(p.arms, p.point, p.region, *bond) for p, bond in zip(pairs, bonds, strict=True)]
     return _clusters(pairs)
 
 
@@ -135,7 +135,7 @@ def _near(box: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def _meet(
     legs: Sequence[Leg], first: tuple[int, int], second: tuple[int, int], quads: tuple[np.ndarray, np.ndarray], faults: Faults
-) -> Pair | None:
+) -> FacetPair | None:
     """How two facets of different legs meet; None where they do not."""
     one, other = (Polygon(quad) for quad in quads)
     if one.distance(other) > 1e-6:
@@ -164,7 +164,7 @@ def _meet(
                 faults.add(others.where, f"{names} at {place(point)}: {arm}")
             return None
         arms.append(arm)
-    return Pair((arms[0], arms[1]), point, _parallelogram(leg, facet, others, across, point, sine))
+    return FacetPair((arms[0], arms[1]), point, _parallelogram(leg, facet, others, across, point, sine))
 
 
 def _arm(leg: Leg, number: int, f: int, s: float, reach: float) -> Arm | str:
@@ -194,9 +194,9 @@ def _parallelogram(leg: Leg, facet: Facet, other: Leg, across: Facet, point: np.
     return Polygon([point + a + b, point - a + b, point - a - b, point + a - b])
 
 
-def _without_doubles(pairs: Sequence[Pair]) -> list[Pair]:
+def _without_doubles(pairs: Sequence[FacetPair]) -> list[FacetPair]:
     """One pair of each two legs in one place: next to a bend two facets of a leg may touch the other wall."""
-    found: list[Pair] = []
+    found: list[FacetPair] = []
     for pair in sorted(pairs, key=lambda p: sum(arm.end != 0 for arm in p.arms), reverse=True):
         legs = [arm.leg for arm in pair.arms]
         twins = [p for p in found if [arm.leg for arm in p.arms] == legs and p.region.distance(pair.region) < 1e-6]
@@ -206,7 +206,7 @@ def _without_doubles(pairs: Sequence[Pair]) -> list[Pair]:
 
 
 def _bonds(
-    legs: Sequence[Leg], pairs: Sequence[Pair], table: BuildingTable, refused: set[frozenset[str]], faults: Faults
+    legs: Sequence[Leg], pairs: Sequence[FacetPair], table: BuildingTable, refused: set[frozenset[str]], faults: Faults
 ) -> list[tuple[JunctionBond, int]]:
     """How each pair is bonded, and which of its two walls runs through where it is not; names of walls whose junction is refused."""
     given, known = dict[tuple[str, str], tuple[JunctionBond, str]](), {leg.keys.name for leg in legs}
@@ -230,7 +230,7 @@ def _bonds(
     return found
 
 
-def _clusters(pairs: Sequence[Pair]) -> list[Junction]:
+def _clusters(pairs: Sequence[FacetPair]) -> list[Junction]:
     """Pairs whose parallelograms overlap make one junction."""
     links = [
         (i, j)

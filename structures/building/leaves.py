@@ -16,7 +16,7 @@ from masonry_cd.mechanics.model.geometry import Shell
 from structures.building.axes import SAME, Leg
 from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
-from structures.building.panels import Laying, Piece, lay, running
+from structures.building.panels import FacetStone, Laying, lay, running
 from structures.building.slivers import Stone
 from structures.building.stones import across
 from structures.building.widths import fat_pieces
@@ -28,7 +28,7 @@ def stones(plan: BuildingPlan, number: int, laying: Laying, frames: Sequence[Fra
     leg, leaves = plan.legs[number], laying.leaves
     assert leaves is not None
     foot = int(np.argmin(np.abs(laying.beds - leg.base)))
-    tied: list[Piece] = []
+    tied: list[FacetStone] = []
     for k, reach in enumerate(pairwise(leaves.bounds.tolist())):
 
         def shift(course: int, k: int = k) -> float:
@@ -48,12 +48,12 @@ def stones(plan: BuildingPlan, number: int, laying: Laying, frames: Sequence[Fra
                 yield Stone(number, course, parts, 0.0, label, CORE if leaves.core and k == 1 else "")
 
 
-def _at_end(piece: Piece, leg: Leg) -> bool:
+def _at_end(piece: FacetStone, leg: Leg) -> bool:
     """Return True if a stone reaches an end of its leg."""
     left, _, right, _ = piece.shape.bounds
     return left < SAME or right > leg.facets[0].length - SAME
 
 
-def _parts(piece: Piece, leg: Leg, reach: tuple[float, float]) -> tuple[Shell, ...]:
+def _parts(piece: FacetStone, leg: Leg, reach: tuple[float, float]) -> tuple[Shell, ...]:
     """The convex parts of a stone between two n [m]."""
     return tuple(across(polygon, leg.facets[0], reach) for polygon in fat_pieces(piece.shape))

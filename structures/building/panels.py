@@ -63,7 +63,7 @@ class Laying:
     leaves: Leaves | None = None  # through the thickness, where there are several
 
 
-class Band(NamedTuple):
+class CourseBand(NamedTuple):
     """A stretch of a course: s of its ends at the lower and at the upper bed, and how long its end stones must be at least [m]."""
 
     left0: float
@@ -81,12 +81,12 @@ class Stretch:
     area: Polygon  # in plan, s, n [m]
     clean: tuple[float, float]  # s between which that has the whole thickness [m]
     region: Polygon  # in its face, s, z [m]
-    band: Band  # between whose ends its head joints lie
+    band: CourseBand  # between whose ends its head joints lie
     cut: bool = False  # by a frame that does not keep to the courses
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class FacetStone:
     """A stone of a facet."""
 
     course: int
@@ -103,13 +103,13 @@ def running(course: int) -> float:
 
 def lay(
     plan: BuildingPlan, number: int, f: int, laying: Laying, frames: Sequence[Frame], shift: Callable[[int], float] = running
-) -> list[Piece]:
+) -> list[FacetStone]:
     """The stones of a facet, without those of its frames."""
     leg = plan.legs[number]
     facet = leg.facets[f]
     courses = course_range(laying.beds, leg.base, max(z for _, z in leg.tops))
     rows = {course: list(stretches(plan, number, f, laying, frames, course)) for course in courses}
-    pieces: list[Piece] = []
+    pieces: list[FacetStone] = []
     below: list[float] = []
     for course, row in rows.items():
         above = [s for stretch in rows.get(course + 1, []) for s in (stretch.band.left0, stretch.band.right0)]
@@ -140,14 +140,14 @@ def stretches(plan: BuildingPlan, number: int, f: int, laying: Laying, frames: S
             yield Stretch(area, clean, part, _bonded(_band(part, clean), first, laying.unit), cut)
 
 
-def _band(part: Polygon, clean: tuple[float, float]) -> Band:
+def _band(part: Polygon, clean: tuple[float, float]) -> CourseBand:
     """The ends of what a course fills in one place, at its foot and at its top; not beyond where it has the whole thickness."""
     s, z = polygons.loop(part).T
     ends = [float(np.clip(end, *clean)) for on in (z < z.min() + SAME, z > z.max() - SAME) for end in (s[on].min(), s[on].max())]
-    return Band(ends[0], ends[2], ends[1], ends[3])
+    return CourseBand(ends[0], ends[2], ends[1], ends[3])
 
 
-def _bonded(band: Band, first: Sequence[Arm], unit: float) -> Band:
+def _bonded(band: CourseBand, first: Sequence[Arm], unit: float) -> CourseBand:
     """A band whose end stones reach beyond the walls that they lie over where it ends."""
     for arm in first:
         if abs(band.left0 - arm.low) < SAME or (arm.end < 0 and band.left0 < arm.high):
@@ -231,7 +231,7 @@ def _clear(stretch: Stretch, s: float) -> float:
     return float(stretch.region.intersection(LineString([(s, -polygons.FAR), (s, polygons.FAR)])).length)
 
 
-def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int) -> list[Piece]:
+def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int) -> list[FacetStone]:
     """A stretch of a course cut at its head joints."""
     area, region = stretch.area, stretch.region
     left, low, right, high = region.bounds
@@ -243,7 +243,7 @@ def _stones(facet: Facet, stretch: Stretch, heads: Sequence[float], course: int)
         parts = [polygons.box(a, b, low, high)] if level else _cut(region, a, b)
         for part in parts:
             ends = part.bounds[0] < left + SAME, part.bounds[2] > right - SAME
-            found.append(Piece(course, part, area, stretch.clean, (first and ends[0], last and ends[1])))
+            found.append(FacetStone(course, part, area, stretch.clean, (first and ends[0], last and ends[1])))
     return found
 
 
@@ -261,9 +261,9 @@ def _cut(region: Polygon, low: float, high: float) -> list[Polygon]:
     return [whole for part in polygons.polygons(region.intersection(polygons.box(low, high))) for whole in polygons.without_holes(part)]
 
 
-def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:
+def _without_slivers(pieces: Sequence[FacetStone], laying: Laying) -> list[FacetStone]:
     """The stones with slivers joined to what they share their longest side with, under several stones in pieces."""
-    by_course: dict[int, list[Piece]] = {}
+    by_course: dict[int, list[FacetStone]] = {}
     for piece in pieces:
         by_course.setdefault(piece.course, []).append(piece)
     for course in sorted(by_course):
@@ -290,14 +290,14 @@ def _without_slivers(pieces: Sequence[Piece], laying: Laying) -> list[Piece]:
     return [piece for course in sorted(by_course) for piece in by_course[course]]
 
 
-def _along(piece: Piece, neighbours: Sequence[Piece]) -> list[Piece]:
+def _along(piece: FacetStone, neighbours: Sequence[FacetStone]) -> list[FacetStone]:
     """A sliver cut at the head joints between the stones of the course above or below it."""
     left, _, right, _ = piece.shape.bounds
     ends = {s for p in neighbours if p.course != piece.course for s in p.shape.bounds[::2] if left + ASIDE < s < right - ASIDE}
     return [replace(piece, shape=part) for a, b in pairwise([left, *sorted(ends), right]) for part in _cut(piece.shape, a, b)]
 
 
-def _joined(piece: Piece, other: Piece) -> Piece | None:
+def _joined(piece: FacetStone, other: FacetStone) -> FacetStone | None:
     """Two stones as one, in the course of the second; None where that has a hole."""
     union = polygons.polygons(shapely.union_all([piece.shape, other.shape]))
     if len(union) != 1 or union[0].interiors:
@@ -312,7 +312,7 @@ def _is_sliver(shape: Polygon, laying: Laying) -> bool:
     return thin or narrower(shape, THIN * min(laying.course, laying.unit))
 
 
-def _both_clean(one: Piece, other: Piece) -> bool:
+def _both_clean(one: FacetStone, other: FacetStone) -> bool:
     """Return True if two stones of different courses have the whole thickness, each of them also in the course of the other."""
     low, high = max(one.clean[0], other.clean[0]), min(one.clean[1], other.clean[1])
     return all(low - SAME <= p.shape.bounds[0] and p.shape.bounds[2] <= high + SAME for p in (one, other))

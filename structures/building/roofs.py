@@ -30,7 +30,7 @@ from structures.geometry.convex import halves
 from structures.geometry.polygons import plan_of
 from structures.geometry.prism import between
 from structures.plans.places import place
-from structures.ties import MODULI, Bar
+from structures.ties import MODULI, PlacedBar
 
 GROUP = "roof"
 LEVEL = 1e-3  # by which the tops of two walls that carry a roof may differ [m]
@@ -40,9 +40,9 @@ HIPPED = 4  # walls of a roof of four slopes
 DAMPING = 0.02  # of a tie beam, share of the critical damping
 
 
-def roofs_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> tuple[list[Block], list[Bar]]:
+def roofs_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> tuple[list[Block], list[PlacedBar]]:
     """The rafters of all roofs and their tie beams; what is wrong is added to the faults."""
-    blocks, bars = list[Block](), list[Bar]()
+    blocks, bars = list[Block](), list[PlacedBar]()
     for k, keys in enumerate(table.roofs):
         name, where = keys.name or f"roof{k + 1}", f"structure.roofs[{k}]"
         with faults.of(where, f"roof {name}"):
@@ -87,15 +87,15 @@ class Roof:
         low, ridge, outer = self.keys.rise, self.keys.rise + high, high - slope * bearing
         return np.array([(-half - bearing, 0.0), (-half, 0.0), (0.0, low), (0.0, ridge), (-half - bearing, outer)]), outer
 
-    def tie(self, number: int, half: float, y: float, outer: float, blocks: tuple[str, str]) -> Bar:
+    def tie(self, number: int, half: float, y: float, outer: float, blocks: tuple[str, str]) -> PlacedBar:
         """The tie beam from foot to foot at a place along the ridge."""
         feet = self.bay.world(np.array([(sign * (half + 0.5 * self.bearing), y) for sign in (-1.0, 1.0)]))
         points = np.column_stack([feet, np.full(2, self.foot + 0.5 * outer)])
         beam = {"name": f"{self.name}.tie{number}", "area": self.keys.tie[0] * self.keys.tie[1], "modulus": MODULI["timber"]}
-        return Bar(self.where, blocks, points, beam | {"tension": 0.0, "from_start": True, "damping": DAMPING})
+        return PlacedBar(self.where, blocks, points, beam | {"tension": 0.0, "from_start": True, "damping": DAMPING})
 
 
-def _pairs(roof: Roof) -> Iterator[tuple[list[Block], Bar]]:
+def _pairs(roof: Roof) -> Iterator[tuple[list[Block], PlacedBar]]:
     """Pair after pair of rafters, with the tie beam between their feet; each as wide as the bay is in its middle."""
     keys, bearing, b = roof.keys, roof.bearing, roof.bay.half[1]
     ends = divided(-b, b, keys.spacing)
@@ -112,7 +112,7 @@ def _pairs(roof: Roof) -> Iterator[tuple[list[Block], Bar]]:
         yield rafters, roof.tie(k + 1, a, y, outer, (rafters[0].name, rafters[1].name))
 
 
-def _hipped(roof: Roof) -> Iterator[tuple[list[Block], Bar | None]]:
+def _hipped(roof: Roof) -> Iterator[tuple[list[Block], PlacedBar | None]]:
     """Rafters of four slopes, cut along the hips, which are upright planes at 45 degrees in plan; tie beams between the long sides."""
     a, b = roof.bay.half
     section, outer = roof.section(a)

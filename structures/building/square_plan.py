@@ -20,16 +20,16 @@ from structures.building.axes import SAME, legs_of
 from structures.building.engine import Walls, blocks_of_walls
 from structures.building.footprints import BuildingPlan
 from structures.building.frames import LEAST_MEASURE, Frame, Named
-from structures.building.junctions import Junction, Pair
+from structures.building.junctions import FacetPair, Junction
 from structures.building.panels import Laying, Leaves
 from structures.building.table import BuildingTable, WallOpeningTable
-from structures.courser.wall_plan import Opening, Sizes, Wall
+from structures.courser.wall_plan import Opening, PlanWall, Sizes
 from structures.geometry.polygons import box
 
 SHAPES = {"lintel": "rectangular", "flat": "rectangular", "segmental": "segmental", "round": "round"}
 
 
-def beds_of(walls: Sequence[Wall], sizes: Sizes, more: Mapping[str, float] = MappingProxyType({})) -> list[float]:
+def beds_of(walls: Sequence[PlanWall], sizes: Sizes, more: Mapping[str, float] = MappingProxyType({})) -> list[float]:
     """The beds that all walls share [m].
 
     Args:
@@ -55,7 +55,7 @@ def beds_of(walls: Sequence[Wall], sizes: Sizes, more: Mapping[str, float] = Map
     return found
 
 
-def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density: float, bonded: bool = True) -> list[Block]:
+def build(walls: Sequence[PlanWall], levels: Sequence[float], sizes: Sizes, density: float, bonded: bool = True) -> list[Block]:
     """The blocks of all walls, ``NAME.COURSE.NUMBER``, voussoirs and lintels ``NAME.oOPENING.NUMBER``.
 
     Args:
@@ -82,7 +82,7 @@ def build(walls: Sequence[Wall], levels: Sequence[float], sizes: Sizes, density:
     return blocks_of_walls(Walls(table, plan, frames, layings), density)
 
 
-def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: Faults) -> openings.Frames:
+def frames_of(walls: Sequence[PlanWall], sizes: Sizes, faults: Faults) -> openings.Frames:
     """The frames of all openings by wall and facet, which is 0; faults name the keys that draw them."""
     table = _table(walls, sizes)
     legs = [leg for k, keys in enumerate(table.walls) for leg in legs_of(k, keys)]
@@ -91,13 +91,13 @@ def frames_of(walls: Sequence[Wall], sizes: Sizes, faults: Faults) -> openings.F
     )
 
 
-def _table(walls: Sequence[Wall], sizes: Sizes) -> BuildingTable:
+def _table(walls: Sequence[PlanWall], sizes: Sizes) -> BuildingTable:
     """The table of a building of some walls."""
     keys = {"walls": [_wall_table(wall) for wall in walls], "course_height": sizes.course, "block_length": sizes.unit}
     return BuildingTable.model_validate(keys)
 
 
-def _wall_table(wall: Wall) -> dict[str, Any]:
+def _wall_table(wall: PlanWall) -> dict[str, Any]:
     """A wall by the middle line of its plan."""
     middle = 0.5 * (wall.near + wall.far)
     axis = [(s, middle) if wall.axis == 0 else (middle, s) for s in (wall.start, wall.end)]
@@ -106,7 +106,7 @@ def _wall_table(wall: Wall) -> dict[str, Any]:
     return keys | {"openings": [_opening_table(opening, wall) for opening in wall.openings]}
 
 
-def _opening_table(opening: Opening, wall: Wall) -> dict[str, Any]:
+def _opening_table(opening: Opening, wall: PlanWall) -> dict[str, Any]:
     """An opening as a wall of a building has it.
 
     Raises:
@@ -128,10 +128,10 @@ def _left_out(hull: Polygon) -> Frame:
     return Frame(keys, Named("a place left out"), hull, (), hull, ())
 
 
-def _in_turns(junction: Junction, walls: Sequence[Wall], bonded: bool) -> Junction:
+def _in_turns(junction: Junction, walls: Sequence[PlanWall], bonded: bool) -> Junction:
     """A junction at which walls along x run through in even courses; of unbonded walls the one that goes on, or else that along x."""
 
-    def turned(pair: Pair) -> Pair:
+    def turned(pair: FacetPair) -> FacetPair:
         along_x = int(walls[pair.arms[0].leg].axis == 1)
         goes_on = [arm.end == 0 for arm in pair.arms]
         return replace(
@@ -143,7 +143,7 @@ def _in_turns(junction: Junction, walls: Sequence[Wall], bonded: bool) -> Juncti
     return replace(junction, pairs=tuple(turned(pair) for pair in junction.pairs))
 
 
-def _laying(wall: Wall, levels: Sequence[float], sizes: Sizes) -> Laying:
+def _laying(wall: PlanWall, levels: Sequence[float], sizes: Sizes) -> Laying:
     """How a wall is laid: in leaves where it has several, counted from its near face."""
     half = 0.5 * (wall.far - wall.near)
     middle = 0.5 * (wall.near + wall.far)

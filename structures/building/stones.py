@@ -19,7 +19,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron, Shell
 from structures.building.axes import SAME, Facet
-from structures.building.panels import Piece
+from structures.building.panels import FacetStone
 from structures.building.widths import NARROW, fat_pieces
 from structures.geometry import polygons
 from structures.geometry.compound_block import compound_block
@@ -31,7 +31,7 @@ from structures.geometry.prism import between, prism_xz
 WELD = 1e-8  # corners closer than this are one [m]
 
 
-def parts_of(piece: Piece, facet: Facet, thickness: float) -> list[Shell]:
+def parts_of(piece: FacetStone, facet: Facet, thickness: float) -> list[Shell]:
     """The convex parts of a stone, in the world."""
     half = 0.5 * thickness
     left, _, right, _ = piece.shape.bounds

@@ -62,7 +62,7 @@ class Ring:
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class RingCourse:
     """One course of a ring."""
 
     group: str
@@ -72,7 +72,7 @@ class Row:
     ends: tuple[Shell, ...] = ()  # of an open ring: parts joined to its first and to its last stone
 
 
-def build(ring: Ring, rows: Sequence[Row], unit: float, density: float, bonded: bool = True) -> list[Block]:
+def build(ring: Ring, rows: Sequence[RingCourse], unit: float, density: float, bonded: bool = True) -> list[Block]:
     """The blocks ``GROUP.ROW.NUMBER`` of a ring, from its lowest row up.
 
     Args:
@@ -116,7 +116,7 @@ class _Bond:
         return float(np.abs(own[:, None] - others[None, :]).min())
 
 
-def _stones(ring: Ring, row: Row, half: float, bond: _Bond) -> list[list[Shell]]:
+def _stones(ring: Ring, row: RingCourse, half: float, bond: _Bond) -> list[list[Shell]]:
     """The parts of each stone of a row, in order round the ring."""
     stones: list[list[Shell]] = []
     for side in range(ring.count):
@@ -131,7 +131,7 @@ def _stones(ring: Ring, row: Row, half: float, bond: _Bond) -> list[list[Shell]]
     return stones
 
 
-def _stretches(heads: list[float], row: Row, side: int, least: float) -> list[tuple[float | None, float | None]]:
+def _stretches(heads: list[float], row: RingCourse, side: int, least: float) -> list[tuple[float | None, float | None]]:
     """Ends of the stones of one side, None for a mitre."""
     wide = row.gaps.get(side, row.lintels.get(side, 0.0))
     if not wide:
@@ -152,13 +152,13 @@ def _part(ring: Ring, side: int, profile: np.ndarray, low: float | None, high: f
     return between(first, second)
 
 
-def wall_rows(group: str, inner: float, thickness: float, beds: Sequence[float]) -> list[Row]:
+def wall_rows(group: str, inner: float, thickness: float, beds: Sequence[float]) -> list[RingCourse]:
     """Upright rows between level beds [m]."""
     d0, d1 = inner, inner + thickness
-    return [Row(group, np.array([[d0, a], [d1, a], [d1, b], [d0, b]])) for a, b in pairwise(beds)]
+    return [RingCourse(group, np.array([[d0, a], [d1, a], [d1, b], [d0, b]])) for a, b in pairwise(beds)]
 
 
-def dome_rows(group: str, inner: float, thickness: float, level: float, count: int, top: float) -> list[Row]:
+def dome_rows(group: str, inner: float, thickness: float, level: float, count: int, top: float) -> list[RingCourse]:
     """Rows of a dome, a circular profile between radial beds.
 
     Args:
@@ -170,10 +170,10 @@ def dome_rows(group: str, inner: float, thickness: float, level: float, count: i
     angles = top * np.arange(count + 1) / count
     unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     low, high = inner * unit + [0.0, level], (inner + thickness) * unit + [0.0, level]
-    return [Row(group, np.array([low[k], high[k], high[k + 1], low[k + 1]])) for k in range(count)]
+    return [RingCourse(group, np.array([low[k], high[k], high[k + 1], low[k + 1]])) for k in range(count)]
 
 
-def key(ring: Ring, last: Row, density: float, name: str, group: str) -> Block:
+def key(ring: Ring, last: RingCourse, density: float, name: str, group: str) -> Block:
     """The stone that fills a ring over its last row; of an open ring, half of it."""
     (outer, z1), (inner, z0) = last.profile[2], last.profile[3]
     return Block(name, *between(ring.corners(float(inner), float(z0)), ring.corners(float(outer), float(z1))), density, group)

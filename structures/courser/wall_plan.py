@@ -47,7 +47,7 @@ class Opening:
 
 
 @dataclass(frozen=True, eq=False)
-class Wall:
+class PlanWall:
     """One straight wall [m]. It may end at, run through or cross walls along the other axis."""
 
     name: str

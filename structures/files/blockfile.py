@@ -67,7 +67,7 @@ class _Keys(BaseModel):
     stone: str = ""
 
 
-class Entry(_Keys):
+class BlockEntry(_Keys):
     """A polyhedron."""
 
     vertices: Vertices
@@ -179,7 +179,7 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
     if "radius" in entry or "centre" in entry:
         ball = parse_table(Sphere, entry, where)
         return Block.sphere(centre=np.array(ball.centre) * scale, radius=ball.radius * scale, **_common(ball, index, density))
-    parsed = parse_table(Entry, entry, where)
+    parsed = parse_table(BlockEntry, entry, where)
     vertices, faces = _shell(parsed, scale)
     parts = tuple(Polyhedron(*_shell(part, scale)) for part in parsed.parts)
     return Block(vertices=vertices, faces=faces, parts=parts, **_common(parsed, index, density))
@@ -203,7 +203,7 @@ def _density(parsed: _Keys, density: float) -> float:
     return OF_SUPPORTS if parsed.fixed and math.isnan(density) else density
 
 
-def _shell(entry: Entry | PartEntry, scale: float) -> tuple[np.ndarray, Faces]:
+def _shell(entry: BlockEntry | PartEntry, scale: float) -> tuple[np.ndarray, Faces]:
     """Vertices in metres, and faces."""
     vertices = np.array(entry.vertices)
     return vertices if scale == 1.0 else vertices * scale, tuple(tuple(face) for face in entry.faces)

@@ -14,13 +14,13 @@ import numpy as np
 
 from structures.files import step_names
 from structures.files.facets import curved_faces, gathered, left_out, opened, shells_of
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 
 SAME = 1e-7  # corners this close are one, as a share of the extents of the whole
 ROOT = "Shapes"  # under which the kernel puts all labels
 
 
-def read(path: Path, chord: float | None = None) -> Answer:
+def read(path: Path, chord: float | None = None) -> FileContents:
     """Read the solids of a STEP or BREP file.
 
     Args:
@@ -46,8 +46,8 @@ def read(path: Path, chord: float | None = None) -> Answer:
         names, groups = own or named([gmsh.model.getEntityName(3, tag) for tag in volumes])
     if not len(names) == len(groups) == len(shells):
         raise Refused(path.name, f"has {len(shells)} solids, {len(names)} names and {len(groups)} groups of blocks")
-    pieces = [Piece(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)]
-    return Answer(pieces, (same, off), unread)
+    pieces = [FileShell(k, names[k], *gathered(shell), group=groups[k]) for k, shell in enumerate(shells)]
+    return FileContents(pieces, (same, off), unread)
 
 
 def named(labels: list[str]) -> tuple[list[str], list[str]]:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from structures.files.foreign import Piece, Refused
+from structures.files.foreign import FileShell, Refused
 
 KEYS = {"dip": 1, "dip-direction": 1, "spacing": 1, "number": 1, "origin": 3, "persistence": 1, "jointset-id": 1}  # and how many numbers
 SHORT = {"dd": "dip-direction", "org": "origin", "id": "jointset-id", "spac": "spacing", "num": "number", "per": "persistence"}
@@ -25,8 +25,8 @@ MOST = 10_000  # joints of a set within a block
 
 
 def cut_by_set(
-    where: str, pieces: Sequence[Piece], words: Sequence[str], everywhere: bool, in_range: Callable[[Piece], bool]
-) -> list[Piece]:
+    where: str, pieces: Sequence[FileShell], words: Sequence[str], everywhere: bool, in_range: Callable[[FileShell], bool]
+) -> list[FileShell]:
     """Blocks cut by a joint set, numbered again.
 
     Args:
@@ -48,7 +48,7 @@ def cut_by_set(
         raise Refused(where, "a joint set of several joints without a spacing")
     if 1.0 < count < math.inf and abs(keys["dip"][0]) > LEVEL:
         raise Refused(where, "several joints that dip: to which side of the origin they lie is not known here; give a joint-set for each")
-    found: list[Piece] = []
+    found: list[FileShell] = []
     for piece in pieces:
         found += _halves(where, piece, normal, _offsets(where, piece, normal, at, spacing, count)) if in_range(piece) else [piece]
     return [piece._replace(number=k, name=f"b{k}") for k, piece in enumerate(found)]
@@ -76,7 +76,7 @@ def _keys(where: str, words: Sequence[str]) -> dict[str, list[float]]:
     return found
 
 
-def _offsets(where: str, piece: Piece, normal: np.ndarray, at: float, spacing: float, count: float) -> Iterator[float]:
+def _offsets(where: str, piece: FileShell, normal: np.ndarray, at: float, spacing: float, count: float) -> Iterator[float]:
     """The places along their normal where the joints of a set pass through a block."""
     heights = piece.vertices @ normal
     if not spacing > 0.0:
@@ -90,7 +90,7 @@ def _offsets(where: str, piece: Piece, normal: np.ndarray, at: float, spacing: f
     yield from (at + spacing * k for k in range(first, last + 1))
 
 
-def _halves(where: str, piece: Piece, normal: np.ndarray, offsets: Iterator[float]) -> list[Piece]:
+def _halves(where: str, piece: FileShell, normal: np.ndarray, offsets: Iterator[float]) -> list[FileShell]:
     """A block cut by parallel planes, from the lowest on."""
     from masonry_cd.foundation.errors import InputError
     from masonry_cd.mechanics.model.blocks import Block

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from structures.files.facets import curved_faces, gathered, left_out, opened, shells_of
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 from structures.size import MOST, beyond
 
 NARROW = 0.25  # no joint closer to the end of a body, or to the face of a wall along it, than this share of a stone
@@ -24,7 +24,7 @@ TRIANGLE = 2  # gmsh's number of this type of element
 
 
 @dataclass(frozen=True)
-class Asked:
+class CuttingTask:
     """How a solid is to be cut."""
 
     scale: float  # metres per unit of the file
@@ -52,7 +52,7 @@ class Cutting:
     tolerance: float
 
 
-def cut(path: Path, **asked: Any) -> Answer:
+def cut(path: Path, **asked: Any) -> FileContents:
     """Cut the solids of a file.
 
     Args:
@@ -67,14 +67,14 @@ def cut(path: Path, **asked: Any) -> Answer:
     """
     with opened(path) as gmsh:
         unread = left_out(gmsh, path)
-        cutting = _cutting(gmsh, Asked(**asked))
+        cutting = _cutting(gmsh, CuttingTask(**asked))
         whole = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.getEntities(3))
         curved = curved_faces(gmsh, cutting.chord, path.name)
         stones, off = _stones(gmsh, cutting, path.name)
-    return Answer(stones, (whole, float(curved), off), unread)
+    return FileContents(stones, (whole, float(curved), off), unread)
 
 
-def _cutting(gmsh: Any, asked: Asked) -> Cutting:
+def _cutting(gmsh: Any, asked: CuttingTask) -> Cutting:
     """The planes of the joints in the units of the file."""
     corners = np.concatenate([gmsh.model.getValue(0, tag, []) for _, tag in gmsh.model.getEntities(0)]).reshape(-1, 3)
     boxes = np.array([gmsh.model.occ.getBoundingBox(3, tag) for _, tag in gmsh.model.occ.getEntities(3)])
@@ -107,7 +107,7 @@ def _cutting(gmsh: Any, asked: Asked) -> Cutting:
     )
 
 
-def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[Piece], float]:
+def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[FileShell], float]:
     """Cut all volumes, first by the beds, then each body of a course across the plan; the stones, and how far facets are off.
 
     A course leaves the kernel when its shells are read: the cost of an operation grows with all that is in there.
@@ -117,7 +117,7 @@ def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[Piece], floa
     for volume in outlines:
         names = [gmsh.model.getPhysicalName(3, tag) for tag in gmsh.model.getPhysicalGroupsForEntity(3, volume)]
         groups[volume] = next((name for name in names if name), "block")
-    done: list[Piece] = []
+    done: list[FileShell] = []
     off = 0.0
     for volume, plans in outlines.items():
         courses: dict[int, list[int]] = {}
@@ -132,7 +132,7 @@ def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[Piece], floa
                 loose += [entity for _, rest in cuts for entity in rest]
             shells, here = shells_of(gmsh, stones, cutting.chord, cutting.tolerance, source)
             gmsh.model.occ.remove([*((3, stone) for stone in stones), *loose], recursive=True)
-            done += [Piece(course, groups[volume], *gathered([_on_planes(facet, cutting) for facet in shell])) for shell in shells]
+            done += [FileShell(course, groups[volume], *gathered([_on_planes(facet, cutting) for facet in shell])) for shell in shells]
             off = max(off, here)
     return done, off
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from structures.files.cuts_3dec import cut_by_set
-from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.files.foreign import Faces, FileContents, FileShell, Refused
 from structures.files.program_readers import BOX, NUMBER
 
 READ = ("create", "fix", "free", "group", "cut")  # of block
@@ -45,13 +45,13 @@ NUMBERED = ("reg", "mat", "con")  # of poly: region, material and constitutive l
 FISH_BEGINS, FISH_ENDS = ("def", "define"), ("end",)
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The blocks that a deck leaves.
 
     Raises:
         Refused: a command that changes blocks and is not read, a range or numbers that do not fit, no blocks at all.
     """
-    pieces: list[Piece] = []
+    pieces: list[FileShell] = []
     unknown: list[str] = []
     functions: list[int] = []
     in_fish = False
@@ -83,7 +83,7 @@ def read(path: Path) -> Answer:
         raise Refused(path.name, "no command block create in it")
     notes = [f"{path.name}: FISH of line {', '.join(map(str, functions[:5]))} not executed"] if functions else []
     more = f" and {len(unknown) - 5} more" if len(unknown) > 5 else ""
-    return Answer(pieces, (), [*notes, *([f"{path.name}: commands not read: {', '.join(unknown[:5])}{more}"] if unknown else [])])
+    return FileContents(pieces, (), [*notes, *([f"{path.name}: commands not read: {', '.join(unknown[:5])}{more}"] if unknown else [])])
 
 
 def _commands(text: str) -> Iterator[tuple[int, str]]:
@@ -127,7 +127,7 @@ def _refuse_in_fish(where: str, lower: Sequence[str]) -> None:
         raise _changing(f"{where}: in a function in FISH", lower)
 
 
-def _done(where: str, pieces: list[Piece], words: Sequence[str], lower: Sequence[str]) -> list[Piece]:
+def _done(where: str, pieces: list[FileShell], words: Sequence[str], lower: Sequence[str]) -> list[FileShell]:
     """The blocks after a command on them."""
     if "new" in (lower[0], *lower[1:2]):
         return []
@@ -160,7 +160,7 @@ def _meant(word: str) -> str:
     return word if word in known or len(found) != 1 else found[0]
 
 
-def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
+def _created(where: str, kind: str, words: Sequence[str], count: int) -> FileShell:
     """The block of one command."""
     group = ""
     if kind not in ("brick", "prism", "polyhedron", "face"):
@@ -179,7 +179,7 @@ def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
     if kind == "brick" and len(sets[0]) == 6:
         low, high = np.array(sets[0][::2]), np.array(sets[0][1::2])
         points = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-        return Piece(count, f"b{count}", points, BOX, group)
+        return FileShell(count, f"b{count}", points, BOX, group)
     loops = [np.array(one).reshape(-1, 3) for one in sets if one and len(one) % 3 == 0 and len(one) >= 9]
     if len(loops) != sum(map(bool, sets)):
         raise Refused(where, "a face has three corners or more, three coordinates each")
@@ -189,7 +189,7 @@ def _created(where: str, kind: str, words: Sequence[str], count: int) -> Piece:
         loops = [near, far, *(np.array([near[k], near[(k + 1) % n], far[(k + 1) % n], far[k]]) for k in range(n))]
     elif kind in ("brick", "prism") or len(loops) < 4:
         raise Refused(where, "a brick has six numbers, a prism two faces of as many corners, a polyhedron four faces or more")
-    return Piece(count, f"b{count}", *_outward(loops), group)
+    return FileShell(count, f"b{count}", *_outward(loops), group)
 
 
 def _outward(loops: Sequence[np.ndarray]) -> tuple[np.ndarray, Faces]:
@@ -205,7 +205,7 @@ def _outward(loops: Sequence[np.ndarray]) -> tuple[np.ndarray, Faces]:
     return points, tuple(faces)
 
 
-def _in_range(where: str, piece: Piece, lower: Sequence[str], words: Sequence[str]) -> bool:
+def _in_range(where: str, piece: FileShell, lower: Sequence[str], words: Sequence[str]) -> bool:
     """Return True if a block is in the range of a command: all blocks, a group, or between two coordinates of its centre.
 
     Raises:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 from structures.files.outlines import KEY, drawn_out, refuse_without_thickness
 from structures.files.shells import shells
 
@@ -28,7 +28,7 @@ OUTLINES = ("LWPOLYLINE", "POLYLINE")
 Loops = list[list[int]]
 
 
-def read(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0, chord: float = 0.0) -> Answer:
+def read(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0, chord: float = 0.0) -> FileContents:
     """The blocks of a DXF; the figure is the metres of its unit, 0 where it states none.
 
     Args:
@@ -76,10 +76,10 @@ def read(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0,
         ends = np.cumsum([len(loop) for loop in loops])
         numbers = [list(range(int(end) - len(loop), int(end))) for end, loop in zip(ends, loops, strict=True)]
         whole.append((layer, np.concatenate(loops), numbers))
-    pieces: list[Piece] = []
+    pieces: list[FileShell] = []
     for layer, points, loops_of in whole:
         for corners, own in shells(points, loops_of):
-            pieces.append(Piece(len(pieces), f"b{len(pieces)}", corners, own, layer))
+            pieces.append(FileShell(len(pieces), f"b{len(pieces)}", corners, own, layer))
     if outlines and not thickness:
         if not pieces:
             refuse_without_thickness(path.name, outlines, f"closed polyline{'s' if outlines > 1 else ''}")
@@ -90,7 +90,7 @@ def read(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0,
     if not pieces:
         seen = f"; {', '.join(f'{count} {what}' for what, count in list(unread.items())[:3])}" if unread else ""
         raise Refused(path.name, f"no 3DFACE and no polyface mesh in it; lines, polylines and ACIS solids are not read{seen}")
-    return Answer(pieces, (stated,), [*notes, *sheets_line(drawing, path.name)])
+    return FileContents(pieces, (stated,), [*notes, *sheets_line(drawing, path.name)])
 
 
 def _refuse_cut_short(path: Path) -> None:

@@ -22,7 +22,7 @@ from pydantic import Field
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.mechanics.model.blocks import Block, Carried
+from masonry_cd.mechanics.model.blocks import Block, CarriedLoad
 from masonry_cd.mechanics.model.fill import ACTIVE_AT, Fill, FillFace
 from structures.schema import Density, Place, Share, Table
 
@@ -113,7 +113,7 @@ def with_fill(blocks: Sequence[Block], content: Mapping[str, Any], source: str, 
         where = f'{source}: {CARRIED}, block "{name}"'
         _refuse_absent({name}, names, f"{source}: {CARRIED}", of)
         keys = parse_table(CarriedEntry, entry if isinstance(entry, dict) else {}, where)
-        riding[name] = Carried(keys.mass, np.array(keys.centre), _positive(np.array(keys.inertia), where))
+        riding[name] = CarriedLoad(keys.mass, np.array(keys.centre), _positive(np.array(keys.inertia), where))
     return [replace(block, carried=riding[block.name]) if block.name in riding else block for block in blocks], fills
 
 

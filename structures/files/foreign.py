@@ -34,7 +34,7 @@ from masonry_cd.foundation import system
 Faces = tuple[tuple[int, ...], ...]  # not imported from the model: a child that reads a file imports no kernels
 
 
-class Piece(NamedTuple):
+class FileShell(NamedTuple):
     """A shell of the file."""
 
     number: int  # of the block that it is a part of, or of its course
@@ -46,7 +46,7 @@ class Piece(NamedTuple):
     density: float = 0.0  # stated by the file [kg/m3]; 0 where it states none
 
 
-class Answer(NamedTuple):
+class FileContents(NamedTuple):
     """Contents of a file."""
 
     pieces: Sequence[Any]  # Piece each; of a plan what it is made of
@@ -88,7 +88,7 @@ class Limits(NamedTuple):
     output: int = OUTPUT  # of each file that it writes [B]
 
 
-def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "", fixed: Any = False, density: Any = 0.0) -> Piece:
+def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "", fixed: Any = False, density: Any = 0.0) -> FileShell:
     """A piece of an answer.
 
     Raises:
@@ -97,7 +97,7 @@ def piece_of(number: Any, name: Any, vertices: Any, faces: Any, group: Any = "",
     points, loops = points_of(vertices), tuple(tuple(map(index, loop)) for loop in faces)
     if not all(0 <= corner < len(points) for loop in loops for corner in loop):
         raise ValueError("a face names a vertex that does not exist")
-    return Piece(int(number), word_of(name), points, loops, word_of(group), bool(fixed), float(density))
+    return FileShell(int(number), word_of(name), points, loops, word_of(group), bool(fixed), float(density))
 
 
 def word_of(word: Any) -> str:
@@ -136,7 +136,7 @@ def read(
     limits: Limits | None = None,
     advice: str = "",
     of: Callable[..., Any] = piece_of,
-) -> Answer:
+) -> FileContents:
     """Read a file by a reader in a child process.
 
     Args:
@@ -170,7 +170,7 @@ def read(
             raise InputError(path.name, f"cannot be read: {_ending(code, limits, advice, folder)}")
         try:
             pieces, figures, notes = json.loads((folder / ANSWER).read_bytes())
-            return Answer([of(*piece) for piece in pieces], [*map(float, figures)], [_line(_utf8(note)) for note in notes[:NOTES]])
+            return FileContents([of(*piece) for piece in pieces], [*map(float, figures)], [_line(_utf8(note)) for note in notes[:NOTES]])
         except (ValueError, TypeError, AttributeError, ArithmeticError, RecursionError, OSError, MemoryError) as failure:
             raise InputError(path.name, f"cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
 
@@ -238,7 +238,7 @@ def answer(request: Mapping[str, Any]) -> None:
     limits, file = Limits(*request["limits"]), request["file"]
     try:
         module, function = request["reader"].split(":")
-        made = Answer(*getattr(import_module(module), function)(Path(file), **request["keywords"]))
+        made = FileContents(*getattr(import_module(module), function)(Path(file), **request["keywords"]))
         Path(ANSWER).write_text(json.dumps(made, default=lambda array: array.tolist()), encoding="utf-8")
     except Refused as refusal:
         _refuse(refusal.place, refusal.text)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from structures.files.foreign import Answer, Refused
+from structures.files.foreign import FileContents, Refused
 from structures.files.surface_readers import pieces_of
 
 TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -30,7 +30,7 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 DEEPEST = 50  # nodes within nodes
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The shells of the meshes of a glTF or GLB, placed by its nodes and named by them.
 
     Raises:
@@ -46,7 +46,7 @@ def read(path: Path) -> Answer:
         found = [*_placed(path, scene, binary, unread)]
     except (ValueError, KeyError, IndexError, TypeError, AttributeError):
         raise Refused(path.name, "not the nodes, meshes and accessors of a glTF 2.0 file, without compression") from None
-    return Answer(pieces_of(path, found), (), [f"{path.name}: {count} {what} not read" for what, count in unread.items()])
+    return FileContents(pieces_of(path, found), (), [f"{path.name}: {count} {what} not read" for what, count in unread.items()])
 
 
 def _refuse_required(path: Path, scene: Any) -> None:

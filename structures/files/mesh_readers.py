@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.extras import require
-from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.files.foreign import Faces, FileContents, FileShell, Refused
 from structures.files.shells import shells
 
 HEAD, TRIANGLE = 84, 50  # bytes of binary STL
@@ -32,7 +32,7 @@ CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells o
 SURFACES = {"triangle": 3, "quad": 4}  # cells of surfaces, and their corners
 
 
-def read_stl(path: Path) -> Answer:
+def read_stl(path: Path) -> FileContents:
     """The closed shells of an STL, solids of a text apart.
 
     Raises:
@@ -50,13 +50,13 @@ def read_stl(path: Path) -> Answer:
     read = sum(len(solid.faces) for solid in solids if isinstance(solid, trimesh.Trimesh))
     if announced != read:
         raise Refused(path.name, f"{read} triangles could be read of {announced:.10g}: cut short or damaged")
-    found: list[Piece] = []
+    found: list[FileShell] = []
     for solid in solids:
         if not isinstance(solid, trimesh.Trimesh) or not len(solid.faces):
             raise Refused(path.name, "no triangles in it")
         for points, loops in shells(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces).tolist()):
-            found.append(Piece(len(found), f"b{len(found)}", points, loops))
-    return Answer(found)
+            found.append(FileShell(len(found), f"b{len(found)}", points, loops))
+    return FileContents(found)
 
 
 def _triangles_of(path: Path) -> float:
@@ -77,7 +77,7 @@ def _triangles_of(path: Path) -> float:
     return count
 
 
-def read_vtu(path: Path) -> Answer:
+def read_vtu(path: Path) -> FileContents:
     """The volume cells of a VTU, by their array ``block`` where it has one.
 
     Raises:
@@ -88,7 +88,7 @@ def read_vtu(path: Path) -> Answer:
 
     mesh = meshio.read(path)
     points = np.asarray(mesh.points, dtype=float)
-    found: list[Piece] = []
+    found: list[FileShell] = []
     for k, cells in enumerate(mesh.cells):
         count = len(found)
         numbers = mesh.cell_data["block"][k] if "block" in mesh.cell_data else range(count, count + len(cells.data))
@@ -104,8 +104,8 @@ def read_vtu(path: Path) -> Answer:
                 raise Refused(path.name, f'block "b{int(number)}": a cell names a point outside 0 to {len(points) - 1}')
             number_of = {old: new for new, old in enumerate(used)}
             faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
-            found.append(Piece(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
-    return Answer(sorted(found, key=lambda piece: piece.number))  # the file has cells of one number of corners together
+            found.append(FileShell(int(number), f"b{int(number)}", points[used], faces, *_marks(mesh.cell_data, k, len(found) - count)))
+    return FileContents(sorted(found, key=lambda piece: piece.number))  # the file has cells of one number of corners together
 
 
 def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:
@@ -118,7 +118,7 @@ def _marks(data: Any, kind: int, place: int) -> tuple[str, bool]:
     return "" if group is None else f"group{group}", bool(fixed)
 
 
-def read_msh(path: Path) -> Answer:
+def read_msh(path: Path) -> FileContents:
     """The volumes of a mesh of gmsh, each by the faces that one of its cells has alone; its physical group is its group.
 
     Raises:
@@ -148,15 +148,15 @@ def read_msh(path: Path) -> Answer:
                     faces[key] = loop
     if not outer:
         raise Refused(path.name, "no volume cells in it; a block is a volume of gmsh")
-    found: list[Piece] = []
+    found: list[FileShell] = []
     for (_, group), faces in sorted(outer.items()):
         for corners_of, loops in shells(points, list(faces.values())):
-            found.append(Piece(len(found), f"b{len(found)}", corners_of, loops, names.get(group, f"group{group}" if group else "")))
+            found.append(FileShell(len(found), f"b{len(found)}", corners_of, loops, names.get(group, f"group{group}" if group else "")))
     bare = len(flat - bounding)
-    return Answer(found, (), [f"{path.name}: {bare} faces that bound no volume not read"] if bare else [])
+    return FileContents(found, (), [f"{path.name}: {bare} faces that bound no volume not read"] if bare else [])
 
 
-def read_vtp(path: Path) -> Answer:
+def read_vtp(path: Path) -> FileContents:
     """The closed shells of a surface.
 
     Raises:
@@ -171,7 +171,7 @@ def read_vtp(path: Path) -> Answer:
         raise Refused(path.name, "no polygons in it")
     polygons = data.triangulate() if data.n_strips else data
     made = shells(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
-    return Answer([Piece(k, f"b{k}", *shell) for k, shell in enumerate(made)], (), _bare(path, "", data))
+    return FileContents([FileShell(k, f"b{k}", *shell) for k, shell in enumerate(made)], (), _bare(path, "", data))
 
 
 def _bare(path: Path, where: str, data: Any) -> list[str]:
@@ -180,7 +180,7 @@ def _bare(path: Path, where: str, data: Any) -> list[str]:
     return [f"{path.name}: {where}{count} cells of points and lines not read"] if count else []
 
 
-def read_vtkhdf(path: Path) -> Answer:
+def read_vtkhdf(path: Path) -> FileContents:
     """The volume cells of an unstructured grid, by its array ``block`` where it has one.
 
     Raises:
@@ -198,10 +198,12 @@ def read_vtkhdf(path: Path) -> Answer:
         raise Refused(path.name, "cells that are no volumes; a block is a volume cell")
     arrays = {name: [data.cell_data[name]] for name in ("block", "group", "fixed") if name in data.cell_data}
     numbers = np.asarray(arrays.get("block", [np.arange(len(cells))])[0]).astype(int)
-    return Answer([Piece(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))])
+    return FileContents(
+        [FileShell(int(n), f"b{n}", *cell, *_marks(arrays, 0, k)) for k, (n, cell) in enumerate(zip(numbers, cells, strict=True))]
+    )
 
 
-def read_vtm(path: Path) -> Answer:
+def read_vtm(path: Path) -> FileContents:
     """The shells of each data set of a multi-block file: a closed surface, or volume cells, which are the block's convex parts.
 
     Its name is that of the block; data sets within blocks within blocks are found too.
@@ -216,7 +218,7 @@ def read_vtm(path: Path) -> Answer:
         whole: Any = pyvista.read(path)
     if not isinstance(whole, pyvista.MultiBlock):
         raise Refused(path.name, "no multi-block data in it")
-    found: list[Piece] = []
+    found: list[FileShell] = []
     unread: list[str] = []
     for number, (name, data) in enumerate(_leaves(whole, "")):
         if data is None or data.n_cells == 0:
@@ -226,8 +228,8 @@ def read_vtm(path: Path) -> Answer:
         unread += _bare(path, f'block "{name}": ', data) if is_surface else []
         if not made or (not is_surface and len(made) < data.n_cells):
             raise Refused(path.name, f'block "{name}": neither a closed surface nor volume cells alone')
-        found += [Piece(number, name, *shell) for shell in made]
-    return Answer(found, (), unread)
+        found += [FileShell(number, name, *shell) for shell in made]
+    return FileContents(found, (), unread)
 
 
 def _leaves(whole: Any, prefix: str) -> Iterator[tuple[str, Any]]:

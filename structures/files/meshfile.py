@@ -32,7 +32,7 @@ from masonry_cd.foundation.files import read_text
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, solidfile, vtkfile
-from structures.files.foreign import Piece
+from structures.files.foreign import FileShell
 from structures.files.formats import CAD, FORMATS
 from structures.files.manifold import apart_at_edges, outwards, without_fins
 from structures.geometry.compound_block import compound_block
@@ -48,7 +48,7 @@ DEFAULT = "block"  # group of a block for which the file states none
 class Loaded:
     """Contents of a mesh file, with its statements on unit and axes."""
 
-    stones: list[list[Piece]]  # the convex parts of each block, or its shell; the first has its name, group and support
+    stones: list[list[FileShell]]  # the convex parts of each block, or its shell; the first has its name, group and support
     metres: float | None = None  # of its unit
     up: str | None = None
     firm: bool = True  # whether what it says is to be relied upon
@@ -67,7 +67,7 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
         InputError: one line that names the file, and the line or block.
     """
     pieces, figures, notes = foreign.read(FORMATS[format_].reader, path, asked, foreign.of_model(path) if format_ in CAD else None)
-    parts: dict[int, list[Piece]] = {}
+    parts: dict[int, list[FileShell]] = {}
     for piece in pieces:
         parts.setdefault(piece.number, []).append(piece)
     stones, marks = list(parts.values()), _marks(path, format_)
@@ -90,7 +90,7 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
     return Loaded(stones, notes=notes)
 
 
-def _name_apart(stones: Sequence[list[Piece]]) -> None:
+def _name_apart(stones: Sequence[list[FileShell]]) -> None:
     """Number the blocks that share a name, as copies of one object do: ``name.0``, ``name.1`` ..., since the name of a block is its own."""
     count = Counter(stone[0].name for stone in stones)
     taken, numbers = set(count), {name: itertools.count() for name, times in count.items() if times > 1}

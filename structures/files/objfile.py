@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 from structures.files.shells import shells
 
 ELSEWHERE = ("call", "csh", "surf", "bzp", "bsp", "cdc", "cdp", "res", "con")  # bring faces
@@ -26,7 +26,7 @@ LOOKS = (
 MOST = 5  # words that a line names
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """Objects (``o``; ``g`` where there are none, else ``usemtl``) with their faces; indices count from one, or back from the end.
 
     The group of an object is its ``g``, or else its material. A file that names none of them is a soup of closed shells. Where a name
@@ -71,7 +71,7 @@ def read(path: Path) -> Answer:
                 unread[word] += 1
         except ValueError:
             raise Refused(path.name, f"line {number}: no number where one belongs: {line.strip()[:60]}") from None
-    found: list[Piece] = []
+    found: list[FileShell] = []
     vertices = np.array(points).reshape(-1, 3)
     for name, group, faces in _apart(objects, groups):
         used = sorted({i for face in faces for i in face})
@@ -80,9 +80,9 @@ def read(path: Path) -> Answer:
         number_of = {old: new for new, old in enumerate(used)}
         own = (vertices[used], tuple(tuple(number_of[i] for i in face) for face in faces))
         apart = [own] if name else shells(*own)
-        found += [Piece(len(found) + k, name or f"b{k}", *shell, group) for k, shell in enumerate(apart)]
+        found += [FileShell(len(found) + k, name or f"b{k}", *shell, group) for k, shell in enumerate(apart)]
     said = ", ".join(f"{count} of {word[:20]}" for word, count in list(unread.items())[:MOST])
-    return Answer(found, (), [f"{path.name}: lines not read: {said}"] if unread else [])
+    return FileContents(found, (), [f"{path.name}: lines not read: {said}"] if unread else [])
 
 
 def _apart(objects: dict[str, list[list[list[int]]]], groups: dict[str, str]) -> Iterator[tuple[str, str, list[list[int]]]]:

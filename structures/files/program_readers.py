@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.files.foreign import Faces, FileContents, FileShell, Refused
 from structures.files.outlines import KEY, drawn_out, refuse_without_thickness
 from structures.files.shells import shells
 
@@ -44,7 +44,7 @@ def _text(path: Path) -> str:
 # --- COMPAS ---------------------------------------------------------------------------------------------------------------------------
 
 
-def read_compas(path: Path) -> Answer:
+def read_compas(path: Path) -> FileContents:
     """Every mesh and polyhedron of a COMPAS file.
 
     Raises:
@@ -54,18 +54,18 @@ def read_compas(path: Path) -> Answer:
     try:
         content = json.loads(_text(path))
         _count_unread(path, content, unread)
-        pieces: list[Piece] = []
+        pieces: list[FileShell] = []
         for name, support, matrix, mesh in _meshes(path, content, "", False, np.eye(4), 0):
             points, loops = _of_mesh(mesh)
             mirrored = np.linalg.det(matrix) < 0.0
             moved = points if np.array_equal(matrix, np.eye(4)) else points @ matrix[:3, :3].T + matrix[:3, 3]
             for points_of, faces in shells(moved, [loop[::-1] for loop in loops] if mirrored else loops):
-                pieces.append(Piece(len(pieces), name or f"b{len(pieces)}", points_of, faces, fixed=support))
+                pieces.append(FileShell(len(pieces), name or f"b{len(pieces)}", points_of, faces, fixed=support))
     except (ValueError, KeyError, TypeError, IndexError, RecursionError):
         raise Refused(path.name, "not the vertices and faces of COMPAS meshes") from None
     if not pieces:
         raise Refused(path.name, "no mesh and no polyhedron of COMPAS in it")
-    return Answer(pieces, (), [f"{path.name}: {count} {what}" for what, count in unread.items()])
+    return FileContents(pieces, (), [f"{path.name}: {count} {what}" for what, count in unread.items()])
 
 
 def _count_unread(path: Path, item: Any, unread: Counter[str], depth: int = 0) -> None:
@@ -173,7 +173,7 @@ def _of_mesh(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
 # --- LMGC90 ---------------------------------------------------------------------------------------------------------------------------
 
 
-def read_lmgc90(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0) -> Answer:
+def read_lmgc90(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0) -> FileContents:
     """The rigid bodies of a BODIES.DAT.
 
     Args:
@@ -197,7 +197,7 @@ def read_lmgc90(path: Path, up: str = "z", metres: float = 0.0, thickness: float
         refuse_without_thickness(path.name, planar, "RBDY2")
     if thickness and not planar:
         raise Refused(KEY, f"{path.name} has no RBDY2 that it would apply to; leave it out")
-    pieces: list[Piece] = []
+    pieces: list[FileShell] = []
     for kind, number, text in bodies:
         where = f"{path.name}: {kind} {number}"
         node = re.search(r"\$nodty(.*?)\$tacty", text, re.DOTALL)
@@ -213,11 +213,11 @@ def read_lmgc90(path: Path, up: str = "z", metres: float = 0.0, thickness: float
             points, faces = _in_space(where, shape[1], shape[3], coordinates)
         behaviour = re.search(r"\bbehav\s+(\S+)", text)
         law = density.get(behaviour[1] if behaviour else "", 0.0)
-        pieces.append(Piece(len(pieces), f"{kind}_{number}", points, faces, shape[2], (kind, number) in driven.wholly, law))
+        pieces.append(FileShell(len(pieces), f"{kind}_{number}", points, faces, shape[2], (kind, number) in driven.wholly, law))
     if not pieces:
         raise Refused(path.name, "no RBDY3 and no RBDY2, the rigid bodies of LMGC90")
     partly = [f"{path.name}: {len(driven.partly)} bodies are driven in some directions only, which is not read: they are free"]
-    return Answer(pieces, (), partly if driven.partly else [])
+    return FileContents(pieces, (), partly if driven.partly else [])
 
 
 class _Body(NamedTuple):

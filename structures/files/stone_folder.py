@@ -13,12 +13,12 @@ from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 
 READ = ("obj", "stl", "ply", "off", "vtp", "vtu", "msh")  # which state neither unit nor axis
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The stones of the files of a folder.
 
     Raises:
@@ -26,7 +26,7 @@ def read(path: Path) -> Answer:
     """
     from structures.files.formats import FORMATS, format_of
 
-    pieces: list[Piece] = []
+    pieces: list[FileShell] = []
     notes: list[str] = []
     unread: Counter[str] = Counter()
     for file in sorted((file for file in path.iterdir() if file.is_file() and not file.name.startswith(".")), key=_in_order):
@@ -47,7 +47,7 @@ def read(path: Path) -> Answer:
     if not pieces:
         raise Refused(path.name, f"no mesh in this folder; {', '.join(f'.{one}' for one in READ)} are read")
     kinds = ", ".join(f"{count} {what}" for what, count in sorted(unread.items()))
-    return Answer(pieces, (), [*notes, *([f"{path.name}: files that are no meshes not read: {kinds}"] if kinds else [])])
+    return FileContents(pieces, (), [*notes, *([f"{path.name}: files that are no meshes not read: {kinds}"] if kinds else [])])
 
 
 def _in_order(file: Path) -> list[tuple[int, str]]:

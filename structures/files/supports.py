@@ -38,7 +38,7 @@ Coordinate = Annotated[float, Unit("m"), Field(allow_inf_nan=False)]
 Corner = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False)]
 
 
-class Where(Table):
+class SupportRule(Table):
     """One rule: what a block has to fulfil, all of what is given."""
 
     below: Annotated[float, Unit("m"), Field(allow_inf_nan=False)] | None = None
@@ -73,7 +73,7 @@ def _listed(value: object) -> tuple[Any, ...]:
     raise ValueError("must be a name, a table of below, box, group or name, or a list of them")
 
 
-_RULE: dict[str, Any] = {"anyOf": [{"type": "string"}, table_schema(Where)]}
+_RULE: dict[str, Any] = {"anyOf": [{"type": "string"}, table_schema(SupportRule)]}
 Rules = Annotated[
     tuple[Any, ...], BeforeValidator(_listed), WithJsonSchema({"anyOf": [*_RULE["anyOf"], {"type": "array", "items": _RULE}]})
 ]
@@ -101,7 +101,7 @@ def with_supports(blocks: Sequence[Block], rules: Sequence[str | Mapping[str, An
     """
     chosen = np.zeros(len(blocks), dtype=bool)
     for i, given in enumerate(rules):
-        rule = given if isinstance(given, str) else parse_table(Where, given, where if len(rules) == 1 else f"{where}[{i}]")
+        rule = given if isinstance(given, str) else parse_table(SupportRule, given, where if len(rules) == 1 else f"{where}[{i}]")
         found = _of_rule(blocks, rule)
         if not found.any():
             raise InputError(where, f"{_none(blocks, rule)}")
@@ -109,7 +109,7 @@ def with_supports(blocks: Sequence[Block], rules: Sequence[str | Mapping[str, An
     return [replace(block, fixed=True, group=group or block.group) if ours else block for block, ours in zip(blocks, chosen, strict=True)]
 
 
-def _of_rule(blocks: Sequence[Block], rule: str | Where) -> np.ndarray:
+def _of_rule(blocks: Sequence[Block], rule: str | SupportRule) -> np.ndarray:
     """(B,) True for the blocks that fulfil a rule."""
     if isinstance(rule, str):
         named = np.array([fnmatchcase(block.name, rule) for block in blocks], dtype=bool)
@@ -139,7 +139,7 @@ def _centre(block: Block) -> np.ndarray:
     return np.asarray(0.5 * (block.vertices.min(axis=0) + block.vertices.max(axis=0)))
 
 
-def _none(blocks: Sequence[Block], rule: str | Where) -> str:
+def _none(blocks: Sequence[Block], rule: str | SupportRule) -> str:
     """That no block fulfils a rule, and what there is."""
     first = ", ".join(block.name for block in blocks[:5])
     if isinstance(rule, str):

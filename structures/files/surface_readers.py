@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from structures.files.foreign import Answer, Piece, Refused
+from structures.files.foreign import FileContents, FileShell, Refused
 from structures.files.shells import shells
 
 PLY_TYPES = {
@@ -24,13 +24,13 @@ PLY_TYPES = {
 READ_PLY = ("vertex", "face")
 
 
-def pieces_of(path: Path, objects: Sequence[tuple[str, np.ndarray, Sequence[Sequence[int]]]]) -> list[Piece]:
+def pieces_of(path: Path, objects: Sequence[tuple[str, np.ndarray, Sequence[Sequence[int]]]]) -> list[FileShell]:
     """A piece for each shell of named objects; the name is that of the object where it has one shell, numbered otherwise.
 
     Raises:
         Refused: no faces, or one that names a corner that there is not.
     """
-    found: list[Piece] = []
+    found: list[FileShell] = []
     for name, vertices, loops in objects:
         try:
             made = shells(vertices, loops)
@@ -38,13 +38,13 @@ def pieces_of(path: Path, objects: Sequence[tuple[str, np.ndarray, Sequence[Sequ
             raise Refused(path.name, f"{failure}") from None
         for k, (points, faces) in enumerate(made):
             own = (name if len(made) == 1 else f"{name}.{k}") if name else f"b{len(found)}"
-            found.append(Piece(len(found), own, points, faces))
+            found.append(FileShell(len(found), own, points, faces))
     if not found:
         raise Refused(path.name, "no faces in it")
     return found
 
 
-def read_off(path: Path) -> Answer:
+def read_off(path: Path) -> FileContents:
     """The shells of an OFF file.
 
     Raises:
@@ -70,10 +70,10 @@ def read_off(path: Path) -> Answer:
             raise IndexError
     except (ValueError, IndexError):
         raise Refused(path.name, "not the counts, corners and faces of an OFF file; faces have no colours here") from None
-    return Answer(pieces_of(path, [("", points, loops)]))
+    return FileContents(pieces_of(path, [("", points, loops)]))
 
 
-def read_ply(path: Path) -> Answer:
+def read_ply(path: Path) -> FileContents:
     """The shells of a PLY, in text or binary.
 
     Raises:
@@ -95,7 +95,7 @@ def read_ply(path: Path) -> Answer:
     if rows.get("tristrips"):
         raise Refused(path.name, "strips of triangles are not read; write faces")
     unread = [f"{path.name}: {len(own)} rows of element {name[:40]} not read" for name, own in rows.items() if own and name not in READ_PLY]
-    return Answer(pieces_of(path, [("", points, [[int(i) for i in loop] for loop in loops])]), (), unread)
+    return FileContents(pieces_of(path, [("", points, [[int(i) for i in loop] for loop in loops])]), (), unread)
 
 
 def _elements(lines: Sequence[str]) -> list[tuple[str, int, list[list[str]]]]:

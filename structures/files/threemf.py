@@ -17,7 +17,7 @@ from xml.etree import ElementTree  # in a child, whose memory and time are limit
 
 import numpy as np
 
-from structures.files.foreign import Answer, Refused
+from structures.files.foreign import FileContents, Refused
 from structures.files.surface_readers import pieces_of
 
 UNITS = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
@@ -27,7 +27,7 @@ SHAPES = ("beamlattice", "booleans", "displacementmesh", "levelset", "volumetric
 DEEPEST = 50  # objects within objects
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The objects of a 3MF, placed by its build; the figure is the metres of its unit.
 
     Raises:
@@ -54,7 +54,7 @@ def read(path: Path) -> Answer:
         raise Refused(path.name, f'its unit "{unit[:40]}" is none of {", ".join(UNITS)}')
     left = sum(number not in used for number in objects)
     unread.update({"objects that its build does not place": left} if left else {})
-    return Answer(pieces_of(path, found), (UNITS[unit],), [f"{path.name}: {count} {what} not read" for what, count in unread.items()])
+    return FileContents(pieces_of(path, found), (UNITS[unit],), [f"{path.name}: {count} {what} not read" for what, count in unread.items()])
 
 
 def _start_part(whole: zipfile.ZipFile) -> str:

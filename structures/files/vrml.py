@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from structures.files.foreign import Answer, Refused
+from structures.files.foreign import FileContents, Refused
 from structures.files.surface_readers import pieces_of
 
 TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]]|[^\s,{}\[\]"#]+|#[^\n\r]*')
@@ -54,7 +54,7 @@ class Node:
 
 
 @dataclass
-class State:
+class NodeState:
     """The rules that hold where a node stands."""
 
     place: np.ndarray  # (4, 4)
@@ -63,7 +63,7 @@ class State:
     clockwise: bool = False
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The shells of a world.
 
     Raises:
@@ -79,14 +79,14 @@ def read(path: Path) -> Answer:
         if other := next((word for word in words if word in PROTOTYPES), None):
             raise Refused(path.name, f"{other}: prototypes are not read; write their shapes")
         tree = Node("Group", inside=_Parser(words).world())
-        objects = [*_face_sets(tree, State(np.eye(4)), unread, 0)]
+        objects = [*_face_sets(tree, NodeState(np.eye(4)), unread, 0)]
     except (ValueError, IndexError, KeyError, TypeError, RecursionError):
         raise Refused(path.name, "not the nodes and face sets of a VRML world: cut short or damaged") from None
     if not objects and unread:
         seen = ", ".join(f"{count} {what}" for what, count in unread.items())
         raise Refused(path.name, f"no IndexedFaceSet in it; {seen} not read")
     notes = [f"{path.name}: {count} {what} not read" for what, count in unread.items()]
-    return Answer(
+    return FileContents(
         pieces_of(path, objects), (), [*notes, f"{path.name}: metres and y up, as VRML has it, where the scene says nothing else"]
     )
 
@@ -155,7 +155,7 @@ class _Parser:
         return [*self.words[first : self.at]]
 
 
-def _face_sets(node: Node, state: State, unread: Counter[str], depth: int) -> Iterator[tuple[str, np.ndarray, list[list[int]]]]:
+def _face_sets(node: Node, state: NodeState, unread: Counter[str], depth: int) -> Iterator[tuple[str, np.ndarray, list[list[int]]]]:
     """Name, corners in the world and faces of the face sets within a node; what holds for its neighbours goes into the state."""
     if depth > DEEPEST or sum(unread.values()) > MOST:
         raise ValueError
@@ -163,7 +163,7 @@ def _face_sets(node: Node, state: State, unread: Counter[str], depth: int) -> It
     if kind in PLACING and not node.fields.get("children"):
         state.place = state.place @ _matrix(node)
     elif kind in GROUPS:
-        own = State(state.place @ _matrix(node) if kind == "Transform" else state.place, name, state.points, state.clockwise)
+        own = NodeState(state.place @ _matrix(node) if kind == "Transform" else state.place, name, state.points, state.clockwise)
         for one in node.nodes("children", "geometry", "collide"):
             yield from _face_sets(one, own, unread, depth + 1)
         if kind == "Group" and not node.fields:  # of version 1 it lets its state out
@@ -173,7 +173,7 @@ def _face_sets(node: Node, state: State, unread: Counter[str], depth: int) -> It
         chosen = int(node.numbers("whichChoice" if "whichChoice" in node.fields else "whichChild", -1)[0]) if kind == "Switch" else 0
         unread["choices of a Switch, hidden,"] += len(choices) - (0 <= chosen < len(choices)) if kind == "Switch" else 0
         if 0 <= chosen < len(choices):
-            yield from _face_sets(choices[chosen], State(state.place, name, state.points, state.clockwise), unread, depth + 1)
+            yield from _face_sets(choices[chosen], NodeState(state.place, name, state.points, state.clockwise), unread, depth + 1)
     elif kind in ("Coordinate3", "Coordinate"):
         state.points = node.numbers("point")
     elif kind == "ShapeHints":
@@ -184,7 +184,7 @@ def _face_sets(node: Node, state: State, unread: Counter[str], depth: int) -> It
         unread[kind] += 1
 
 
-def _faces(node: Node, state: State) -> tuple[np.ndarray, list[list[int]]]:
+def _faces(node: Node, state: NodeState) -> tuple[np.ndarray, list[list[int]]]:
     """The corners of a face set in the world (V, 3), and its faces as seen from outside."""
     own = next((one.numbers("point") for one in node.fields.get("coord", ()) if isinstance(one, Node)), state.points)
     points = np.array(own, dtype=float).reshape(-1, 3) @ state.place[:3, :3].T + state.place[:3, 3]

@@ -19,7 +19,7 @@ import numpy as np
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import MOST_INEXACT, inexactness
-from masonry_cd.mechanics.model.blocks import Block, Shapes
+from masonry_cd.mechanics.model.blocks import Block, ConvexShapes
 from masonry_cd.mechanics.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from structures.geometry.overlap import overlapping_pairs, overlapping_spheres
@@ -357,7 +357,7 @@ def _beyond_inexact(blocks: Sequence[Block], pairs: np.ndarray, depths: np.ndarr
     free = np.array([not block.fixed for block in blocks])
     if not len(depths) or depths.min() > MOST_INEXACT or not free.any():
         return pairs, depths
-    shapes = Shapes.of(blocks, np.zeros((len(blocks), 3)))
+    shapes = ConvexShapes.of(blocks, np.zeros((len(blocks), 3)))
     deep = depths > inexactness(float(shapes.size[free[shapes.part_block]].min()))
     return pairs[deep], depths[deep]
 

@@ -27,7 +27,7 @@ LIMIT = 2.0  # corners move by no more than this many tolerances: at sharp corne
 
 
 @dataclass(frozen=True, eq=False)
-class Planes:
+class BlockFaces:
     """All faces of all blocks: normals (F, 3), offsets (F,) [m], areas (F,) [m2], block (F,), and their corners."""
 
     normal: np.ndarray
@@ -71,15 +71,15 @@ def close_gaps(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], 
     return out, most, len(pairs)
 
 
-def _planes(blocks: Sequence[Block]) -> Planes:
+def _planes(blocks: Sequence[Block]) -> BlockFaces:
     """The planes of all faces."""
     polygon = [block.vertices[list(face)].astype(float) for block in blocks for face in block.faces]
     normal, offset = loop_planes(polygon)
     area = np.array([loop_area(corners) for corners in polygon])
-    return Planes(normal, offset, area, np.repeat(np.arange(len(blocks)), [len(block.faces) for block in blocks]), polygon)
+    return BlockFaces(normal, offset, area, np.repeat(np.arange(len(blocks)), [len(block.faces) for block in blocks]), polygon)
 
 
-def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterator[tuple[int, int]]:
+def _facing(blocks: Sequence[Block], planes: BlockFaces, tolerance: float) -> Iterator[tuple[int, int]]:
     """Pairs of faces of blocks whose boxes meet, that look at each other."""
     low = np.array([block.vertices.min(axis=0) for block in blocks]) - tolerance
     high = np.array([block.vertices.max(axis=0) for block in blocks]) + tolerance
@@ -90,7 +90,7 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
             yield int(start[a] + i), int(start[b] + j)
 
 
-def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
+def _near(planes: BlockFaces, i: int, j: int, tolerance: float) -> bool:
     """Return True if two faces lie over each other, nowhere farther apart than the tolerance."""
     normal = planes.normal[i]
     sides = np.roll(planes.polygon[i], -1, axis=0) - planes.polygon[i]
@@ -131,7 +131,7 @@ def _overlap(polygon: np.ndarray, window: np.ndarray) -> np.ndarray:
     return polygon
 
 
-def _own(blocks: Sequence[Block], planes: Planes) -> Iterator[tuple[int, int]]:
+def _own(blocks: Sequence[Block], planes: BlockFaces) -> Iterator[tuple[int, int]]:
     """Pairs of faces of one block in one plane, such as the triangles of a side."""
     start = 0
     for block in blocks:
@@ -144,7 +144,7 @@ def _own(blocks: Sequence[Block], planes: Planes) -> Iterator[tuple[int, int]]:
         start = own.stop
 
 
-def _common(planes: Planes, pairs: Sequence[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:
+def _common(planes: BlockFaces, pairs: Sequence[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:
     """Normals and offsets of all faces, those that are linked to each other in one plane."""
     count = len(planes.area)
     if not pairs:

@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.mechanics.contact.broad_phase import overlapping_boxes
 from masonry_cd.mechanics.contact.round_contact import round_depths
 from masonry_cd.mechanics.contact.separation import depths
-from masonry_cd.mechanics.model.blocks import Block, Shapes
+from masonry_cd.mechanics.model.blocks import Block, ConvexShapes
 from masonry_cd.mechanics.model.geometry import Polyhedra
 
 
@@ -43,7 +43,7 @@ def overlapping_spheres(blocks: Sequence[Block], share: float) -> tuple[np.ndarr
     Returns:
         (n, 2) pairs of blocks, and how deep they are in each other (n,) [m].
     """
-    shapes = Shapes.of(blocks, np.zeros((len(blocks), 3)))
+    shapes = ConvexShapes.of(blocks, np.zeros((len(blocks), 3)))
     radius, owner = shapes.rounding, shapes.part_block
     fixed = np.array([block.fixed for block in blocks])[owner]
     boxes = _boxes(shapes.solids) + radius[:, None] * [-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]

@@ -29,16 +29,16 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.bridge import layout as bridge
-from structures.bridge.layout import SAME, Support
+from structures.bridge.layout import SAME, BridgeSupport
 from structures.bridge.masonry import arches, drawn_out
 from structures.bridge.spandrels import STEP, bed_over, pieces
-from structures.bridge.table import AbutmentTable, BridgeTable, SpanTable, SupportTable, WallTable
+from structures.bridge.table import AbutmentTable, BridgeSupportTable, BridgeTable, SpandrelTable, SpanTable
 from structures.courser import wall_plan
 from structures.courser.bond import LEAST_BOND, cleared
 from structures.courser.courses import divided
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.kind import Keys, StructureKind, scaled, value_of
-from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, Layout, MacroElement
+from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, WEST, BlockLayout, MacroElement
 from structures.schema import COVER, THICK, Length, Table, WallHeight
 
 LEAST_RING = 0.001  # thickness of the arches [m]: thinner ones would be lost among corners that are taken for one
@@ -132,7 +132,7 @@ class Tier:
     """A bridge of equal semicircular spans on equal piers whose spandrels are masonry over its whole width."""
 
     number: int
-    layout: bridge.Layout
+    layout: bridge.BridgeLayout
     course: float  # height of a course [m]
     unit: float  # length of a block of the spandrels [m]
     pier_courses: int
@@ -191,7 +191,7 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     low, high = tier.layout.deck, tier.layout.deck + height
     (start, end), half = tier.ends, tier.half
     walls = [
-        wall_plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
+        wall_plan.PlanWall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
         for name, near, far in (("front", -half, -0.5 * wide), ("back", 0.5 * wide, half))
     ]
     sizes = wall_plan.Sizes(tier.course, tier.unit)
@@ -244,8 +244,8 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
     left = (0.5 * sum(below.ends) if below else 0.5 * length) - 0.5 * length + pier_width
     keys = BridgeTable.model_construct(
         spans=tuple(span.model_copy(update={"start": left + n * pitch}) for n in range(count)), width=width, cover=cover,
-        piers=(SupportTable.model_construct(**pier),), abutments=(AbutmentTable.model_construct(**pier),),
-        walls=WallTable.model_construct(thickness=width, course_height=course, unit_length=unit),
+        piers=(BridgeSupportTable.model_construct(**pier),), abutments=(AbutmentTable.model_construct(**pier),),
+        walls=SpandrelTable.model_construct(thickness=width, course_height=course, unit_length=unit),
     )  # fmt: skip
     return Tier(i + 1, bridge.laid_out(keys), course, unit, courses, aqueduct.pier_blocks)
 
@@ -317,7 +317,7 @@ def _drawn(tier: Tier, parts: Mapping[str, Sequence[np.ndarray]], density: float
     ]
 
 
-def _pier(tier: Tier, support: Support, spandrel: Sequence[np.ndarray]) -> list[np.ndarray]:
+def _pier(tier: Tier, support: BridgeSupport, spandrel: Sequence[np.ndarray]) -> list[np.ndarray]:
     """The blocks (4, 2) of a pier up to the springing, from its foot; head joints of its last course are clear of what stands on it."""
     beds = np.linspace(support.foot, support.springing, tier.pier_courses + 1).tolist()
     met = [float(x) for stone in spandrel for x, z in stone if abs(z - support.springing) <= SAME]
@@ -329,7 +329,7 @@ def _pier(tier: Tier, support: Support, spandrel: Sequence[np.ndarray]) -> list[
     return found
 
 
-def _pier_heads(tier: Tier, support: Support, course: int) -> list[float]:
+def _pier_heads(tier: Tier, support: BridgeSupport, course: int) -> list[float]:
     """x of the head joint of a course of a pier, at one third and two thirds in turn [m]."""
     if tier.pier_blocks == 1:
         return []
@@ -377,7 +377,7 @@ def bonds(table: Keys) -> dict[str, Keys]:
     return {"piers in bond" if whole else "whole courses in piers": {"pier_blocks": 2 if whole else 1}}
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """Spans and piers, each with what rests on it."""
     free, found = np.flatnonzero(~layout.fixed), []
     for name in layout.names:

@@ -29,7 +29,7 @@ from structures.courser.arch_profiles import AGREE, RingTable, joints_of, vousso
 from structures.geometry.prism import prism_xz, rectangle
 from structures.kind import StructureKind, scaled
 from structures.layout.ground import AROUND
-from structures.macro_elements import EAST, HINGES, WEST, Layout, MacroElement
+from structures.macro_elements import EAST, HINGES, WEST, BlockLayout, MacroElement
 from structures.schema import Length, WallHeight
 
 
@@ -136,7 +136,7 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, top: floa
     return blocks
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """An arch in its plane."""
     return [MacroElement("arch", "span", np.flatnonzero(~layout.fixed), (EAST, WEST), (HINGES,))]
 

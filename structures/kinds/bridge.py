@@ -23,25 +23,25 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import parse_table
-from masonry_cd.mechanics.model.blocks import Block, Carried
+from masonry_cd.mechanics.model.blocks import Block, CarriedLoad
 from masonry_cd.mechanics.model.fill import COVERED, Fill, FillFace
 from masonry_cd.mechanics.model.geometry import mass_properties
-from structures import Made, size
+from structures import MadeStructure, size
 from structures.bridge.backing import backings
-from structures.bridge.layout import Layout, layout_of
+from structures.bridge.layout import BridgeLayout, layout_of
 from structures.bridge.masonry import arches, supports
 from structures.bridge.profile import voussoirs_of
-from structures.bridge.table import AbutmentTable, BridgeTable, FillTable, SpanTable, SupportTable, WallTable
+from structures.bridge.table import AbutmentTable, BridgeSupportTable, BridgeTable, FillTable, SpandrelTable, SpanTable
 from structures.bridge.walls import walls
 from structures.geometry.prism import between
 from structures.kind import Keys, StructureKind, scaled, value_of
 from structures.macro_elements import AROUND, EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
-from structures.macro_elements import Layout as Groups
+from structures.macro_elements import BlockLayout as Groups
 
 TURN = 5.0  # by which the friction angle of fill is varied [degrees]
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
+def build(table: Mapping[str, Any], density: float, folder: Path) -> MadeStructure:
     """Build a bridge on its fixed feet, with its fill.
 
     Raises:
@@ -56,10 +56,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
         faces += touched
     fill = _fill(layout, faces)
     blocks = _loaded(blocks, fill)
-    return Made(blocks, [_note(fill, blocks)], (), (fill,))
+    return MadeStructure(blocks, [_note(fill, blocks)], (), (fill,))
 
 
-def _estimate(layout: Layout) -> float:
+def _estimate(layout: BridgeLayout) -> float:
     """About how many blocks a bridge has."""
     keys = layout.keys
     arched = sum(span.rings * voussoirs_of(span) for span in keys.spans) * keys.strips
@@ -70,7 +70,7 @@ def _estimate(layout: Layout) -> float:
     return arched + 2.0 * length * height / keys.walls.course_height / keys.walls.unit_length
 
 
-def _fill(layout: Layout, faces: Sequence[FillFace]) -> Fill:
+def _fill(layout: BridgeLayout, faces: Sequence[FillFace]) -> Fill:
     """The fill over and next to the faces that it touches."""
     keys, wings = layout.keys.fill, 0.0 if layout.keys.walls is None else layout.keys.walls.wing_length or 0.0
     return Fill(
@@ -90,7 +90,7 @@ def _loaded(blocks: Sequence[Block], fill: Fill) -> list[Block]:
     return [block if block.fixed or block.name not in over else replace(block, carried=carried(over[block.name], fill)) for block in blocks]
 
 
-def carried(faces: Sequence[np.ndarray], fill: Fill) -> Carried:
+def carried(faces: Sequence[np.ndarray], fill: Fill) -> CarriedLoad:
     """The fill between faces (n, 3) and the road, as one body."""
     columns = [mass_properties(*between(face, face * [1.0, 1.0, 0.0] + [0.0, 0.0, fill.level])) for face in faces]
     mass = np.array([fill.density * column.volume for column in columns])
@@ -99,7 +99,7 @@ def carried(faces: Sequence[np.ndarray], fill: Fill) -> Carried:
     for m, column in zip(mass, columns, strict=True):
         arm = column.centre - centre
         inertia += fill.density * column.unit_inertia + m * ((arm @ arm) * np.eye(3) - np.outer(arm, arm))
-    return Carried(float(mass.sum()), centre, inertia)
+    return CarriedLoad(float(mass.sum()), centre, inertia)
 
 
 def _note(fill: Fill, blocks: Sequence[Block]) -> str:
@@ -126,14 +126,14 @@ def resized(table: Keys, factor: float) -> Keys:
         count = max(3, round(voussoirs_of(known) / factor))
         spans.append({**span, "voussoirs": count + count % 2 if known.shape == "pointed" else count})
     made = table | {"spans": spans}
-    for name, model in (("piers", SupportTable), ("abutments", AbutmentTable)):
+    for name, model in (("piers", BridgeSupportTable), ("abutments", AbutmentTable)):
         made[name] = [_coursed(model, part, factor) for part in table.get(name, [{}])]
     if table.get("walls"):
-        made["walls"] = _coursed(WallTable, table["walls"], factor)
+        made["walls"] = _coursed(SpandrelTable, table["walls"], factor)
     return made
 
 
-def _coursed(model: type[SupportTable | WallTable], table: Keys, factor: float) -> Keys:
+def _coursed(model: type[BridgeSupportTable | SpandrelTable], table: Keys, factor: float) -> Keys:
     """A part of a bridge in blocks of other lengths."""
     return scaled(model, table, factor, tuple({"course_height", "unit_length"} & model.model_fields.keys()))
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.errors import Fault, Faults, InputError, parse_table
-from structures import Made
+from structures import MadeStructure
 from structures.building.elements import parts
 from structures.building.meetings import meetings_of
 from structures.building.table import BuildingTable
@@ -31,7 +31,7 @@ from structures.plans.storeys import stacked
 IN_A_LIST = re.compile(r"(?:structure\.|(.*): )(\w+)\[(\d+)\]")  # place of an entry of a list, with the file of the plan that has it
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
+def build(table: Mapping[str, Any], density: float, folder: Path) -> MadeStructure:
     """Build a building on its base; the notes say what of its plan was assumed, and what was not understood.
 
     Raises:
@@ -47,7 +47,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
     except InputError as error:
         raise error.each(lambda fault: _in_plan(fault, plan)) from None
     blocks.append(ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
-    return Made(blocks, [*plan.notes, *apart], bars, (), plan.floors)
+    return MadeStructure(blocks, [*plan.notes, *apart], bars, (), plan.floors)
 
 
 def plan_of(table: Mapping[str, Any], folder: Path, faults: Sequence[Fault] = ()) -> DrawnPlan:

@@ -79,7 +79,7 @@ def with_defaults(keys: ChurchTable) -> ChurchTable:
     return keys.model_copy(update={key: value for key, value in natural.items() if getattr(keys, key) is None})
 
 
-def beds_of(church: church_parts.Church, walls: Sequence[wall_plan.Wall]) -> list[float]:
+def beds_of(church: church_parts.Church, walls: Sequence[wall_plan.PlanWall]) -> list[float]:
     """The beds that all walls of a church share [m]."""
     from structures.building import square_plan
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from structures.macro_elements import walls
 from structures.macro_elements.element import EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
-from structures.macro_elements.layout import Layout
+from structures.macro_elements.layout import BlockLayout
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """Facade, side walls, arch, vault, apse, tower, belfry, corners; what the church has of them."""
     nave = layout.of_walls("nave_south", "nave_north")
     eaves = layout.top(nave)
@@ -36,19 +36,19 @@ def parts(layout: Layout) -> list[MacroElement]:
     return found
 
 
-def _back(layout: Layout, name: str, own: np.ndarray, eaves: float) -> list[MacroElement]:
+def _back(layout: BlockLayout, name: str, own: np.ndarray, eaves: float) -> list[MacroElement]:
     """The wall of the triumphal arch: in its plane, its arch, and the gable."""
     whole, _, *gable = walls.out_of_plane(layout, name, own, (EAST, WEST), eaves, "triumphal arch")
     plane = walls.in_plane(layout, own_wall(layout, own), name)
     return [whole, *gable, *plane]
 
 
-def own_wall(layout: Layout, own: np.ndarray) -> str:
+def own_wall(layout: BlockLayout, own: np.ndarray) -> str:
     """Name of the wall that blocks belong to."""
     return str(layout.wall[own[0]])
 
 
-def _apse(layout: Layout) -> list[MacroElement]:
+def _apse(layout: BlockLayout) -> list[MacroElement]:
     """The apse with its half dome, and the half dome alone."""
     own, dome = layout.of_groups("apse", "half_dome"), layout.of_groups("half_dome")
     if not len(own):
@@ -57,7 +57,7 @@ def _apse(layout: Layout) -> list[MacroElement]:
     return [*found, MacroElement("half dome", "half dome", dome, (EAST, NORTH), (HINGES,))] if len(dome) else found
 
 
-def _tower(layout: Layout) -> list[MacroElement]:
+def _tower(layout: BlockLayout) -> list[MacroElement]:
     """The bell tower where it is clear of the church, and its belfry."""
     own = layout.of_groups("tower")
     if not len(own):

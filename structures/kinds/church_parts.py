@@ -18,7 +18,7 @@ from structures.courser.arch_profiles import ring as circle
 from structures.courser.columns import ColumnTable, column
 from structures.courser.courses import divided
 from structures.courser.vault_courses import barrel
-from structures.courser.wall_plan import Opening, Sizes, Wall, natural_ring
+from structures.courser.wall_plan import Opening, PlanWall, Sizes, natural_ring
 from structures.geometry.prism import box
 from structures.kinds.church_table import ChurchTable
 
@@ -107,7 +107,7 @@ class Church:
         return Opening(f"structure.{key}", centre, width, low, springing - low + 0.5 * width, "round", ring)
 
 
-def walls(church: Church) -> list[Wall]:
+def walls(church: Church) -> list[PlanWall]:
     """All walls in plan."""
     found = [_facade(church), _arch_wall(church), *_side_walls(church), *_buttresses(church)]
     if church.keys.tower:
@@ -115,15 +115,15 @@ def walls(church: Church) -> list[Wall]:
     return [replace(wall, leaves=church.keys.leaves) for wall in found]
 
 
-def _across(church: Church, name: str, near: float, openings: tuple[Opening, ...]) -> Wall:
+def _across(church: Church, name: str, near: float, openings: tuple[Opening, ...]) -> PlanWall:
     """A wall across the whole church, with a gable over the nave."""
     a, b = church.half + church.thick, church.outer
     shoulder = (church.aisle_eaves, -a, a) if church.keys.aisles else None
     far, gable = near + church.thick, church.keys.gable or 0.0
-    return Wall(name, name, 1, -b, b, near, far, 0.0, church.eaves, openings, gable, shoulder=shoulder)
+    return PlanWall(name, name, 1, -b, b, near, far, 0.0, church.eaves, openings, gable, shoulder=shoulder)
 
 
-def _facade(church: Church) -> Wall:
+def _facade(church: Church) -> PlanWall:
     keys, openings = church.keys, []
     if keys.door_width:
         openings.append(church.arched("door_width and door_height", 0.0, keys.door_width, 0.0, keys.door_height))
@@ -133,7 +133,7 @@ def _facade(church: Church) -> Wall:
     return _across(church, "facade", 0.0, tuple(openings))
 
 
-def _arch_wall(church: Church) -> Wall:
+def _arch_wall(church: Church) -> PlanWall:
     """The wall of the triumphal arch; without an apse a plain one."""
     keys, near = church.keys, church.length - church.thick
     if not keys.apse:
@@ -148,7 +148,7 @@ def _arch_wall(church: Church) -> Wall:
     return _across(church, "triumphal_arch", near, (opening,))
 
 
-def _side_walls(church: Church) -> list[Wall]:
+def _side_walls(church: Church) -> list[PlanWall]:
     """The walls along the nave, and those of the aisles."""
     keys, found = church.keys, []
     low, springing, arches = (church.eaves, 0.0, ()) if not keys.aisles else (church.aisle_eaves, *_arcade(church))
@@ -158,13 +158,13 @@ def _side_walls(church: Church) -> list[Wall]:
         if arches:
             above = max(above, arches[0].crown + 2.0 * church.course)
             for number, (start, end) in enumerate(_responds(church), start=1):
-                found.append(Wall(f"respond_{name}{number}", "nave_walls", 0, start, end, near, far, 0.0, springing, anchor=0.0))
+                found.append(PlanWall(f"respond_{name}{number}", "nave_walls", 0, start, end, near, far, 0.0, springing, anchor=0.0))
         openings = (*arches, *_windows(church, above, church.eaves, name == "north" and not keys.aisles))
-        found.append(Wall(f"nave_{name}", "nave_walls", 0, 0.0, church.length, near, far, springing, church.eaves, openings))
+        found.append(PlanWall(f"nave_{name}", "nave_walls", 0, 0.0, church.length, near, far, springing, church.eaves, openings))
         if keys.aisles:
             near, far = sorted((side * church.outer, side * (church.outer - church.thick)))
             openings = _windows(church, 0.4 * low, low, name == "north")
-            found.append(Wall(f"aisle_{name}", "aisle_walls", 0, 0.0, church.length, near, far, 0.0, low, openings))
+            found.append(PlanWall(f"aisle_{name}", "aisle_walls", 0, 0.0, church.length, near, far, 0.0, low, openings))
     return found
 
 
@@ -195,7 +195,7 @@ def _responds(church: Church) -> list[tuple[float, float]]:
     return [(0.0, end), (church.length - end, church.length)]
 
 
-def _buttresses(church: Church) -> list[Wall]:
+def _buttresses(church: Church) -> list[PlanWall]:
     """Short walls that stand out from the outermost side walls, halfway between the windows."""
     keys, t = church.keys, church.thick
     vault = keys.roof == "vault"
@@ -215,12 +215,12 @@ def _buttresses(church: Church) -> list[Wall]:
             if side > 0 and keys.tower and church.tower_x[0] - wide - church.unit < x < church.tower_x[1] + wide + church.unit:
                 continue
             start, end = sorted((side * (church.outer - t), side * (church.outer + depth)))
-            wall = Wall(f"buttress_{name}{i + 1}", "buttresses", 1, start, end, x - 0.5 * wide, x + 0.5 * wide, 0.0, top)
+            wall = PlanWall(f"buttress_{name}{i + 1}", "buttresses", 1, start, end, x - 0.5 * wide, x + 0.5 * wide, 0.0, top)
             found.append(wall)
     return found
 
 
-def _tower(church: Church) -> list[Wall]:
+def _tower(church: Church) -> list[PlanWall]:
     """The bell tower on the north side: the side wall of the church is its south wall up to the eaves."""
     keys, side, host = church.keys, church.keys.tower_side, church.thick
     t = min(host, side / 4.5)
@@ -236,19 +236,19 @@ def _tower(church: Church) -> list[Wall]:
         }
     above = y0 + (church.vault if keys.roof == "vault" and not keys.aisles else 0.0)  # the vault rests on the inner part of the wall
     walls_ = [
-        Wall("tower_north", "tower", 0, x0, x1, y0 + side - t, y0 + side, 0.0, top, belfry[0]),
-        Wall("tower_south", "tower", 0, x0, x1, above, y0 + host, eaves, top, belfry[0]),
+        PlanWall("tower_north", "tower", 0, x0, x1, y0 + side - t, y0 + side, 0.0, top, belfry[0]),
+        PlanWall("tower_south", "tower", 0, x0, x1, above, y0 + host, eaves, top, belfry[0]),
     ]
     for name, near in (("west", x0), ("east", x1 - t)):
         if above == y0:
-            walls_.append(Wall(f"tower_{name}", "tower", 1, y0, y0 + side, near, near + t, 0.0, top, belfry[1]))
+            walls_.append(PlanWall(f"tower_{name}", "tower", 1, y0, y0 + side, near, near + t, 0.0, top, belfry[1]))
         else:
-            walls_.append(Wall(f"tower_{name}", "tower", 1, y0, y0 + side, near, near + t, 0.0, eaves))
-            walls_.append(Wall(f"tower_{name}_high", "tower", 1, above, y0 + side, near, near + t, eaves, top, belfry[1], anchor=y0))
+            walls_.append(PlanWall(f"tower_{name}", "tower", 1, y0, y0 + side, near, near + t, 0.0, eaves))
+            walls_.append(PlanWall(f"tower_{name}_high", "tower", 1, above, y0 + side, near, near + t, eaves, top, belfry[1], anchor=y0))
     return walls_
 
 
-def with_apse(church: Church, walls_: Sequence[Wall], beds: Sequence[float], density: float) -> tuple[list[Wall], list[Block]]:
+def with_apse(church: Church, walls_: Sequence[PlanWall], beds: Sequence[float], density: float) -> tuple[list[PlanWall], list[Block]]:
     """The apse with its half dome; every other course of its wall reaches into the wall that it leans on, which leaves room for it.
 
     Returns:
@@ -264,7 +264,7 @@ def with_apse(church: Church, walls_: Sequence[Wall], beds: Sequence[float], den
         most = (church.half + t) / stretch - wall_thickness
         raise InputError("structure.apse_radius", f"must be at most {most:.4g} m to lean on the wall behind it, got {r:g}")
     own = [z for z in beds if z < church.apse_top + 1e-9]
-    rows: list[rings.Row] = []
+    rows: list[rings.RingCourse] = []
     voids: list[tuple[float, float, float, float]] = []
     half = r * half_circle.slope
     windows = [i for i in range(keys.apse_sides) if i % 2 == 1] if keys.windows else []

@@ -66,7 +66,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
     high = keys.drum_height / keys.thickness + 0.6 * (keys.rows or 0.25 * math.pi * keys.span / keys.thickness)  # 0.6: rows get shorter
     size.within(high * max(1.0, 2.0 * inner * ring.slope / unit) * keys.sides, "unit_length" if keys.unit_length else "thickness")
-    rows: list[rings.Row] = []
+    rows: list[rings.RingCourse] = []
     level = 0.0
     if keys.drum_height:
         thick = keys.drum_thickness or 1.6 * keys.thickness
@@ -84,7 +84,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     return blocks
 
 
-def shell(keys: DomeTable, level: float) -> list[rings.Row]:
+def shell(keys: DomeTable, level: float) -> list[rings.RingCourse]:
     """The rows of a dome that springs at a height, up to its oculus or key.
 
     Raises:

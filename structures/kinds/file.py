@@ -13,7 +13,7 @@ from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
 from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
-from structures import Made
+from structures import MadeStructure
 from structures.files import blockfile, fillfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.files.formats import CAD, endings, format_of
@@ -59,13 +59,13 @@ class FileTable(Table):
     """a file with the fill of a bridge, as build writes it next to blocks in other formats; a block file holds its own"""
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> Made:
+def build(table: Mapping[str, Any], density: float, folder: Path) -> MadeStructure:
     """Read the blocks that a [structure] table names, and their fill; the notes say how far closing gaps has moved corners."""
     keys = parse_table(FileTable, table, "structure")
     blocks, notes = _read(keys, density, folder)
     content, source = _fill_of(keys, folder)
     blocks, fills = fillfile.with_fill(blocks, content, source, Path(keys.path).name)
-    return Made(blocks, notes, (), fills)
+    return MadeStructure(blocks, notes, (), fills)
 
 
 def _fill_of(keys: FileTable, folder: Path) -> tuple[Mapping[str, Any], str]:

@@ -114,7 +114,7 @@ def _trusted(keys: SolidTable, path: Path) -> None:
         raise InputError("structure.trusted", f"belongs to .geo files, which are programs; {path.name} is none")
 
 
-def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
+def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.FileContents:
     """The stones, as :func:`structures.files.cutting.cut` returns them from a child process, their corners joined."""
     asked = {
         "scale": scale,
@@ -128,7 +128,7 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
     }
     limits = foreign.Limits(seconds=keys.time_limit)
     made = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")
-    pieces = [foreign.Piece(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in made.pieces]
+    pieces = [foreign.FileShell(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in made.pieces]
     return made._replace(pieces=pieces)
 
 
@@ -146,7 +146,7 @@ def _scale(keys: SolidTable, path: Path) -> float:
     return METRES[keys.units or "m"]
 
 
-def _named(stones: Sequence[foreign.Piece], keys: SolidTable, scale: float, density: float, source: str) -> list[Block]:
+def _named(stones: Sequence[foreign.FileShell], keys: SolidTable, scale: float, density: float, source: str) -> list[Block]:
     """Blocks in metres, z up, named by course and place: ``c0s0``, ``c0s1`` ... from the foot upwards."""
     made = []
     for course, group, vertices, faces, *_ in stones:

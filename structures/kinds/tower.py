@@ -30,7 +30,7 @@ from structures.courser.wall_plan import Opening, opening_of
 from structures.geometry.compound_block import moved
 from structures.kind import Keys, StructureKind, fewer_through_stones, scaled, straight_joints
 from structures.layout.ground import ground
-from structures.macro_elements import EAST, NORTH, SOUTH, WEST, Layout, MacroElement, rests, walls
+from structures.macro_elements import EAST, NORTH, SOUTH, WEST, BlockLayout, MacroElement, rests, walls
 from structures.schema import Height, Length, OpeningTable, Table, Thickness, WallHeight
 
 
@@ -89,7 +89,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     return blocks
 
 
-def elevations(keys: TowerTable) -> list[wall_plan.Wall]:
+def elevations(keys: TowerTable) -> list[wall_plan.PlanWall]:
     """The four walls of a table, checked.
 
     Raises:
@@ -130,14 +130,16 @@ def belfry_opening(keys: TowerTable) -> tuple[Opening, ...]:
     return (replace(opening, sill=sill),)
 
 
-def hollow(keys: TowerTable, across: float, belfry: Sequence[Opening], door: Sequence[Opening]) -> list[wall_plan.Wall]:
+def hollow(keys: TowerTable, across: float, belfry: Sequence[Opening], door: Sequence[Opening]) -> list[wall_plan.PlanWall]:
     """Four walls around the origin."""
     a, b, t = 0.5 * keys.side, 0.5 * across, keys.thickness
     top = keys.height
     opening = tuple(belfry)
 
-    def wall(name: str, axis: int, half: float, near: float, openings: tuple[Opening, ...]) -> wall_plan.Wall:
-        return wall_plan.Wall(name, name, axis, -half, half, near, near + t, 0.0, top, openings, leaves=keys.leaves, through=keys.through)
+    def wall(name: str, axis: int, half: float, near: float, openings: tuple[Opening, ...]) -> wall_plan.PlanWall:
+        return wall_plan.PlanWall(
+            name, name, axis, -half, half, near, near + t, 0.0, top, openings, leaves=keys.leaves, through=keys.through
+        )
 
     return [
         wall("south", 0, a, -b, (*door, *opening)),
@@ -159,7 +161,7 @@ def bonds(table: Keys) -> dict[str, Keys]:
     return straight_joints(table) | fewer_through_stones(table)
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """A tower: as a whole, its walls, belfry and corners."""
     own = np.flatnonzero(~layout.fixed & ~np.array([rests(str(group)) for group in layout.group]))
     found = [walls.ring(layout, own, "tower", "tower")]

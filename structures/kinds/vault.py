@@ -29,7 +29,7 @@ from structures.courser.vault_courses import barrel, crossing
 from structures.geometry.prism import box, prism_xz
 from structures.kind import Keys, StructureKind, scaled, straight_joints, value_of
 from structures.kinds.arch import seat
-from structures.macro_elements import AROUND, HINGES, Layout, MacroElement
+from structures.macro_elements import AROUND, HINGES, BlockLayout, MacroElement
 from structures.schema import Length, Thickness
 
 
@@ -123,7 +123,7 @@ def bonds(table: Keys) -> dict[str, Keys]:
     return straight_joints(table, "between rings") if value_of(VaultTable, table, "form") == "barrel" else {}
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """A vault as a whole, and the webs of one that crosses; by hinges, towards all sides."""
     own = np.flatnonzero(~layout.fixed)
     webs = layout.names

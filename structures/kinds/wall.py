@@ -32,7 +32,7 @@ from structures.kind import Keys, StructureKind, fewer_through_stones, other_see
 from structures.layout import rubble
 from structures.layout.ground import ground
 from structures.layout.loose_grains import ContainerPlan, count_for
-from structures.macro_elements import NORTH, SOUTH, Layout, MacroElement, walls
+from structures.macro_elements import NORTH, SOUTH, BlockLayout, MacroElement, walls
 from structures.schema import Density, Height, Length, OpeningTable, Share, Table, Thickness, WallHeight
 
 
@@ -95,7 +95,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     return blocks
 
 
-def elevation(keys: WallTable) -> wall_plan.Wall:
+def elevation(keys: WallTable) -> wall_plan.PlanWall:
     """The wall of a table, checked.
 
     Raises:
@@ -116,7 +116,7 @@ def elevation(keys: WallTable) -> wall_plan.Wall:
         inside(f"structure.openings[{i}].", made.centre, made.width, 0.5 * keys.length)
     half, thick = 0.5 * keys.length, 0.5 * keys.thickness
     leaves = keys.leaves if core is None else 3
-    return wall_plan.Wall(
+    return wall_plan.PlanWall(
         "wall", "wall", 0, -half, half, -thick, thick, 0.0, keys.height, tuple(openings), keys.gable, leaves, keys.through,
         core=core, hollow=keys.core == "rubble",
     )  # fmt: skip
@@ -157,7 +157,7 @@ def _diameters(keys: WallTable, width: float) -> tuple[float, ...]:
     return keys.core_diameters or (0.6 * width, 0.4 * width)
 
 
-def _rubble(keys: WallTable, wall: wall_plan.Wall, stones: Sequence[Block], beds: Sequence[float], density: float) -> list[Block]:
+def _rubble(keys: WallTable, wall: wall_plan.PlanWall, stones: Sequence[Block], beds: Sequence[float], density: float) -> list[Block]:
     """The spheres between the leaves of a wall whose stones are made.
 
     Raises:
@@ -194,14 +194,14 @@ def bonds(table: Keys) -> dict[str, Keys]:
     return fewer_through_stones(table) | (other_seed(table, "core_seed", " of the core") if table.get("core") == "rubble" else {})
 
 
-def parts(layout: Layout) -> list[MacroElement]:
+def parts(layout: BlockLayout) -> list[MacroElement]:
     """A wall on its own: out of its plane to both sides, and in it."""
     own = np.flatnonzero(~layout.fixed)
     found = walls.out_of_plane(layout, "wall", own, (NORTH, SOUTH), _eaves(layout, own), "wall")
     return found + walls.in_plane(layout, "wall", "wall")
 
 
-def _eaves(layout: Layout, own: np.ndarray) -> float:
+def _eaves(layout: BlockLayout, own: np.ndarray) -> float:
     """Up to where a wall has its full length: above it is a gable [m]."""
     axis = layout.axis(own)
     return layout.top(own[layout.low[own, axis] <= layout.low[own, axis].min() + 1e-6])

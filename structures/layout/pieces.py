@@ -29,15 +29,15 @@ from structures.geometry.checks import check_shells
 from structures.geometry.convex import below, halves
 
 if TYPE_CHECKING:
-    from structures import Made
-    from structures.ties import Bar
+    from structures import MadeStructure
+    from structures.ties import PlacedBar
 
 SAMPLES = 400  # points per piece by which cells are measured
 MOVES = 12  # of points into the middles of their cells
 ALIKE = 1e-6  # of the moments of inertia: extents closer than this are equal
 
 
-def in_pieces(made: Made, stones: Mapping[str, Stones]) -> Made:
+def in_pieces(made: MadeStructure, stones: Mapping[str, Stones]) -> MadeStructure:
     """The blocks of a structure with its stones in pieces.
 
     Raises:
@@ -126,7 +126,7 @@ def _samples(block: Block, count: int, random: np.random.Generator) -> np.ndarra
     return np.asarray(points[(heights <= 0.0).all(axis=1)])
 
 
-def _moved(bar: Bar, pieces: Mapping[str, Sequence[Block]]) -> Bar:
+def _moved(bar: PlacedBar, pieces: Mapping[str, Sequence[Block]]) -> PlacedBar:
     """A tie whose ends hold the pieces that they lie on."""
     ends = [_piece_at(pieces[name], point) if name in pieces else name for name, point in zip(bar.blocks, bar.points, strict=True)]
     return bar._replace(blocks=(ends[0], ends[1]))

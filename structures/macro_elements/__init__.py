@@ -17,10 +17,10 @@ import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
 from structures.macro_elements.element import AROUND, EAST, HINGES, NORTH, OVERTURNING, SOUTH, WEST, MacroElement
-from structures.macro_elements.layout import Layout
+from structures.macro_elements.layout import BlockLayout
 
 __all__ = ["AROUND", "EAST", "HINGES", "NORTH", "OVERTURNING", "SOUTH", "WEST"]
-__all__ += ["Layout", "MacroElement", "groups", "macro_elements", "rests", "whole"]
+__all__ += ["BlockLayout", "MacroElement", "groups", "macro_elements", "rests", "whole"]
 
 RESTING = ("roof", "vault")  # groups that rest on walls and load them, with floors
 FREE = re.compile(r"(?:^|_)parapets?(?:_|$)")  # groups of what stands free on top
@@ -31,25 +31,25 @@ def rests(group: str) -> bool:
     return group in RESTING or group.startswith("floor")
 
 
-def whole(layout: Layout) -> list[MacroElement]:
+def whole(layout: BlockLayout) -> list[MacroElement]:
     """A structure that is one part."""
     return [MacroElement("whole", "whole", np.flatnonzero(~layout.fixed), AROUND, (OVERTURNING,))]
 
 
-def groups(layout: Layout) -> list[MacroElement]:
+def groups(layout: BlockLayout) -> list[MacroElement]:
     """The groups of blocks, each a part."""
     return [MacroElement(name, "group", layout.of_groups(name), AROUND, (OVERTURNING,)) for name in layout.names]
 
 
-def macro_elements(blocks: Sequence[Block], parts: Callable[[Layout], list[MacroElement]] = groups) -> list[MacroElement]:
+def macro_elements(blocks: Sequence[Block], parts: Callable[[BlockLayout], list[MacroElement]] = groups) -> list[MacroElement]:
     """The parts of a structure that practice looks at: those of its kind, and parapets."""
-    layout = Layout.of(blocks)
+    layout = BlockLayout.of(blocks)
     free = _parapets(layout)
     named = {one.name for one in free}
     return [one for one in (*(one for one in parts(layout) if one.name not in named), *free) if len(one.blocks)]
 
 
-def _parapets(layout: Layout) -> list[MacroElement]:
+def _parapets(layout: BlockLayout) -> list[MacroElement]:
     """The parts that stand free on top, by their group, out of their plane."""
     found = []
     for name in layout.names:

@@ -29,7 +29,7 @@ class Hole:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class BlockLayout:
     """The B blocks of a structure by name, place and group."""
 
     wall: np.ndarray  # (B,) first part of the name
@@ -41,7 +41,7 @@ class Layout:
     blocks: Sequence[Block]
 
     @classmethod
-    def of(cls, blocks: Sequence[Block]) -> Layout:
+    def of(cls, blocks: Sequence[Block]) -> BlockLayout:
         """Layout of blocks."""
         parts = [(*block.name.split("."), "")[:2] for block in blocks]
         low = np.array([block.vertices.min(axis=0) for block in blocks])
@@ -50,7 +50,7 @@ class Layout:
         group = np.array([block.group for block in blocks], dtype=object)
         return cls(wall, piece, group, np.array([block.fixed for block in blocks]), low, high, blocks)
 
-    def turned(self, along: np.ndarray) -> Layout:
+    def turned(self, along: np.ndarray) -> BlockLayout:
         """Seen with a unit vector (2,) of the plan as x, so that a wall along it lies as one along x does."""
         turn = np.array([along, [-along[1], along[0]]])
         plans = [block.vertices[:, :2] @ turn.T for block in self.blocks]

@@ -23,14 +23,16 @@ from structures.macro_elements.element import (
     MacroElement,
     Vector,
 )
-from structures.macro_elements.layout import SAME, Hole, Layout
+from structures.macro_elements.layout import SAME, BlockLayout, Hole
 
 UPPER = 0.5  # share of the height of a wall from which on its upper part begins
 BENDS = (OVERTURNING, VERTICAL_BENDING, HORIZONTAL_BENDING)
 CORNER_DEPTH = 0.5  # share of the height of a building to which its corners are looked at, from the top
 
 
-def out_of_plane(layout: Layout, name: str, blocks: np.ndarray, ways: tuple[Vector, ...], eaves: float, kind: str) -> list[MacroElement]:
+def out_of_plane(
+    layout: BlockLayout, name: str, blocks: np.ndarray, ways: tuple[Vector, ...], eaves: float, kind: str
+) -> list[MacroElement]:
     """A wall as a whole, its upper part, and its gable above the eaves, where it has one [m]."""
     foot, top = layout.foot(blocks), layout.top(blocks)
     half = foot + UPPER * (min(eaves, top) - foot)
@@ -45,7 +47,7 @@ def out_of_plane(layout: Layout, name: str, blocks: np.ndarray, ways: tuple[Vect
     return found
 
 
-def in_plane(layout: Layout, wall: str, name: str) -> list[MacroElement]:
+def in_plane(layout: BlockLayout, wall: str, name: str) -> list[MacroElement]:
     """A wall in its plane: as a whole, its piers storey by storey, the spandrels over its openings."""
     blocks = layout.of_walls(wall)
     axis = layout.axis(blocks)
@@ -63,7 +65,7 @@ def in_plane(layout: Layout, wall: str, name: str) -> list[MacroElement]:
     return found
 
 
-def _over(layout: Layout, blocks: np.ndarray, axis: int, hole: Hole) -> np.ndarray:
+def _over(layout: BlockLayout, blocks: np.ndarray, axis: int, hole: Hole) -> np.ndarray:
     """Blocks of a wall over an opening, those that it holds up."""
     over = layout.above(blocks, hole.head)
     return over[(layout.high[over, axis] > hole.start - SAME) & (layout.low[over, axis] < hole.end + SAME)]
@@ -80,7 +82,7 @@ def storeys(holes: Sequence[Hole]) -> list[list[Hole]]:
     return rows
 
 
-def _piers(layout: Layout, blocks: np.ndarray, axis: int, storey: Sequence[Hole]) -> list[np.ndarray]:
+def _piers(layout: BlockLayout, blocks: np.ndarray, axis: int, storey: Sequence[Hole]) -> list[np.ndarray]:
     """Blocks between the openings of a storey, from the highest of their sills to the lowest of their heads."""
     low, high = max(hole.sill for hole in storey), min(hole.head for hole in storey)
     row = blocks[(layout.low[blocks, 2] >= low - SAME) & (layout.high[blocks, 2] <= high + SAME)]
@@ -89,7 +91,7 @@ def _piers(layout: Layout, blocks: np.ndarray, axis: int, storey: Sequence[Hole]
     return [row[which == k] for k in range(len(cuts) + 1) if (which == k).any()]
 
 
-def corners(layout: Layout, blocks: np.ndarray, kind: str = "corner", eaves: float | None = None) -> list[MacroElement]:
+def corners(layout: BlockLayout, blocks: np.ndarray, kind: str = "corner", eaves: float | None = None) -> list[MacroElement]:
     """The corners of walls around a rectangle, each a wedge that widens upwards from a point on the corner's edge."""
     low, high = layout.low[blocks].min(axis=0), layout.high[blocks].max(axis=0)
     top = float(high[2]) if eaves is None else eaves
@@ -107,7 +109,7 @@ def corners(layout: Layout, blocks: np.ndarray, kind: str = "corner", eaves: flo
     return found
 
 
-def ring(layout: Layout, blocks: np.ndarray, name: str, kind: str, top_of: float | None = None) -> MacroElement:
+def ring(layout: BlockLayout, blocks: np.ndarray, name: str, kind: str, top_of: float | None = None) -> MacroElement:
     """Walls around a rectangle as one body, as a tower or its belfry from a height on [m]."""
     some = blocks if top_of is None else layout.above(blocks, top_of)
     levels = None if top_of is None else (top_of, top_of)

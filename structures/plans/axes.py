@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from structures.plans.bands import Band, turn_between
+from structures.plans.bands import WallStretch, turn_between
 from structures.plans.edges import Edge, angle_between, reversed_run, turned
 
 FLATTEST = math.radians(10.0)  # two axes that cross at less do not meet
@@ -24,7 +24,7 @@ SET_BACK = 0.15  # of the thickness of the wall between two in line, by which ea
 INTO = 0.05  # m: an arc ends so far within the wall that it meets
 
 
-class Wall(NamedTuple):
+class WallAxis(NamedTuple):
     """A wall of the plan."""
 
     name: str
@@ -66,7 +66,7 @@ class _End(NamedTuple):
     thickness: float = 0.0  # of that wall, along this one [m]
 
 
-def walls_of(bands: Sequence[Band], ground: Any) -> list[Wall]:
+def walls_of(bands: Sequence[WallStretch], ground: Any) -> list[WallAxis]:
     """The walls of bands, without names, from the lower left to the upper right."""
     ends = {(k, side): _end(bands, k, side, ground) for k in range(len(bands)) for side in (0, 1)}
     longer = [_drawn_out(band, ends[k, 0], ends[k, 1]) for k, band in enumerate(bands)]
@@ -83,7 +83,7 @@ def walls_of(bands: Sequence[Band], ground: Any) -> list[Wall]:
     return sorted((_forward(wall) for wall in _set_back(walls)), key=_place)
 
 
-def _set_back(walls: Sequence[Wall]) -> list[Wall]:
+def _set_back(walls: Sequence[WallAxis]) -> list[WallAxis]:
     """Walls nearly in line on both sides of another one, whose ends would overlap in it, end a little before its middle."""
     import shapely
 
@@ -102,11 +102,11 @@ def _set_back(walls: Sequence[Wall]) -> list[Wall]:
     return out
 
 
-def _corner(wall: Wall, end: int) -> np.ndarray:
+def _corner(wall: WallAxis, end: int) -> np.ndarray:
     return wall.pieces[-1].end if end else wall.pieces[0].start
 
 
-def _shortened(wall: Wall, end: int, depth: float) -> Wall:
+def _shortened(wall: WallAxis, end: int, depth: float) -> WallAxis:
     """A wall whose axis ends earlier [m]."""
     piece = wall.pieces[end]
     d = depth * (piece.end - piece.start) / piece.length
@@ -114,22 +114,22 @@ def _shortened(wall: Wall, end: int, depth: float) -> Wall:
     return wall._replace(pieces=(*wall.pieces[:-1], piece) if end else (piece, *wall.pieces[1:]))
 
 
-def _drawn_out(band: Band, start: _End, end: _End) -> Band:
+def _drawn_out(band: WallStretch, start: _End, end: _End) -> WallStretch:
     """A straight band from corner to corner."""
     return band if band.axis.centre is not None else band._replace(axis=band.axis._replace(start=start.corner, end=end.corner))
 
 
-def _place(wall: Wall) -> tuple[float, ...]:
+def _place(wall: WallAxis) -> tuple[float, ...]:
     return tuple(round(float(x), 3) for x in (*wall.pieces[0].start, *wall.pieces[-1].end))
 
 
-def _forward(wall: Wall) -> Wall:
+def _forward(wall: WallAxis) -> WallAxis:
     """The wall from its left end, or the lower one, to the other."""
     a, b = (tuple(np.round(p, 3)) for p in (wall.pieces[0].start, wall.pieces[-1].end))
     return wall if a <= b else wall._replace(pieces=tuple(reversed_run(wall.pieces)))
 
 
-def _tip(band: Band, side: int) -> tuple[np.ndarray, np.ndarray]:
+def _tip(band: WallStretch, side: int) -> tuple[np.ndarray, np.ndarray]:
     """An end of a band's axis, and the direction in which it points out of the band."""
     axis = band.axis
     point = axis.end if side else axis.start
@@ -141,7 +141,7 @@ def _tip(band: Band, side: int) -> tuple[np.ndarray, np.ndarray]:
     return point, out if side else -out
 
 
-def _end(bands: Sequence[Band], k: int, side: int, ground: Any) -> _End:
+def _end(bands: Sequence[WallStretch], k: int, side: int, ground: Any) -> _End:
     """The nearest place where a band drawn out, or cut back, meets the axis of another one."""
     point, out = _tip(bands[k], side)
     best: tuple[float, _End] | None = None
@@ -164,7 +164,7 @@ def _over_wall(a: np.ndarray, b: np.ndarray, ground: Any) -> bool:
     return bool(ground.is_empty or ground.buffer(0.02).intersection(line).length > 0.6 * line.length)
 
 
-def _meetings(band: Band, point: np.ndarray, out: np.ndarray, other: Band) -> list[tuple[float, int | None]]:
+def _meetings(band: WallStretch, point: np.ndarray, out: np.ndarray, other: WallStretch) -> list[tuple[float, int | None]]:
     """Distances along a direction at which another axis is met, each with the side of its end there, if it is one."""
     axis = other.axis
     if axis.centre is not None:
@@ -187,7 +187,7 @@ def _meetings(band: Band, point: np.ndarray, out: np.ndarray, other: Band) -> li
     return [(distance, near[1] if near[0] < theirs else None)]
 
 
-def _meetings_arc(point: np.ndarray, out: np.ndarray, other: Band) -> list[tuple[float, int | None]]:
+def _meetings_arc(point: np.ndarray, out: np.ndarray, other: WallStretch) -> list[tuple[float, int | None]]:
     """As :func:`_meetings`, of an arc: where a straight line crosses its circle."""
     axis = other.axis
     assert axis.centre is not None
@@ -214,7 +214,7 @@ def _halfway(arc: Edge) -> np.ndarray:
     return turned(arc.start - arc.centre, 0.5 * arc.sweep)
 
 
-def _tangent(band: Band, point: np.ndarray, out: np.ndarray, other: Band) -> list[tuple[float, int | None]]:
+def _tangent(band: WallStretch, point: np.ndarray, out: np.ndarray, other: WallStretch) -> list[tuple[float, int | None]]:
     """An end of another band that goes on from this one in its direction, one of the two being an arc."""
     for side in (0, 1):
         place, away = _tip(other, side)
@@ -223,7 +223,7 @@ def _tangent(band: Band, point: np.ndarray, out: np.ndarray, other: Band) -> lis
     return []
 
 
-def _links(bands: Sequence[Band], ends: dict[tuple[int, int], _End]) -> dict[tuple[int, int], tuple[int, int]]:
+def _links(bands: Sequence[WallStretch], ends: dict[tuple[int, int], _End]) -> dict[tuple[int, int], tuple[int, int]]:
     """Pairs of ends at which one wall goes on: they meet each other and no third, bend softly, and are of one thickness."""
     links = {}
     for own, end in ends.items():
@@ -257,7 +257,7 @@ def _chain(first: int, links: dict[tuple[int, int], tuple[int, int]], used: set[
     return chain
 
 
-def _wall(bands: Sequence[Band], ends: dict[tuple[int, int], _End], chain: Sequence[tuple[int, int]]) -> Wall:
+def _wall(bands: Sequence[WallStretch], ends: dict[tuple[int, int], _End], chain: Sequence[tuple[int, int]]) -> WallAxis:
     """A wall along a chain of bands."""
     pieces: list[Edge] = []
     for k, side in chain:
@@ -274,10 +274,10 @@ def _wall(bands: Sequence[Band], ends: dict[tuple[int, int], _End], chain: Seque
     long = sum(bands[k].length for k, _ in chain)
     thickness = sum(bands[k].thickness * bands[k].length for k, _ in chain) / long
     handles = tuple(dict.fromkeys(handle for k, _ in chain for handle in bands[k].handles))
-    return Wall("", tuple(piece for piece in pieces if piece.length > 1e-6), thickness, handles, max(bands[k].taper for k, _ in chain))
+    return WallAxis("", tuple(piece for piece in pieces if piece.length > 1e-6), thickness, handles, max(bands[k].taper for k, _ in chain))
 
 
-def _reaching(arc: Edge, side: int, end: _End, band: Band) -> Edge:
+def _reaching(arc: Edge, side: int, end: _End, band: WallStretch) -> Edge:
     """An arc drawn out along its circle until it reaches into the wall that it meets."""
     if not end.joined or end.met is not None or arc.centre is None:
         return arc

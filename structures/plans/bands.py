@@ -26,7 +26,7 @@ IN_LINE = 0.04  # bands in line are off it by less [m], or by 6 % of their thick
 BRIDGED = 0.8  # of the ground between two bands in line: they are one wall
 
 
-class Band(NamedTuple):
+class WallStretch(NamedTuple):
     """A stretch of wall."""
 
     axis: Edge
@@ -51,7 +51,7 @@ class Band(NamedTuple):
         return shapely.LineString(np.concatenate([self.axis.points(), self.axis.end[None]]))
 
 
-def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[Band]:
+def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[WallStretch]:
     """The bands of what is drawn.
 
     Args:
@@ -62,7 +62,7 @@ def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[Ban
     import shapely
 
     ground = shapely.union_all([faces.ground.buffer(1e-3), *openings]) if not faces.ground.is_empty else None
-    found: list[Band] = []
+    found: list[WallStretch] = []
     pairs = [*_pairs(faces.edges, ground, thickest), *_pairs(faces.loose, None, thickest)]
     for long in (True, False):
         for band in sorted((b for b in pairs if (b.length >= b.thickness) == long), key=lambda b: (b.thickness, -b.length)):
@@ -72,7 +72,7 @@ def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[Ban
     return found
 
 
-def _taken(band: Band, others: Sequence[Band]) -> bool:
+def _taken(band: WallStretch, others: Sequence[WallStretch]) -> bool:
     """Return True if others have much of a band's ground."""
     own = band.ground()
     x, y, u, v = own.bounds
@@ -85,7 +85,7 @@ def _taken(band: Band, others: Sequence[Band]) -> bool:
     return share > TAKEN * own.area
 
 
-def _pairs(edges: Sequence[Edge], ground: Any, thickest: float) -> Iterator[Band]:
+def _pairs(edges: Sequence[Edge], ground: Any, thickest: float) -> Iterator[WallStretch]:
     """Candidates between any two edges; without a ground, as between loose lines, what lies between them is not asked for."""
     import shapely
 
@@ -100,7 +100,7 @@ def _pairs(edges: Sequence[Edge], ground: Any, thickest: float) -> Iterator[Band
                 yield band
 
 
-def _filled(band: Band, ground: Any) -> bool:
+def _filled(band: WallStretch, ground: Any) -> bool:
     import shapely
 
     if ground is None:
@@ -112,7 +112,7 @@ def _filled(band: Band, ground: Any) -> bool:
     return ground.intersection(own).area >= FILLED * own.area
 
 
-def _straight(edges: Sequence[Edge], thickest: float) -> Iterator[Band]:
+def _straight(edges: Sequence[Edge], thickest: float) -> Iterator[WallStretch]:
     """Bands between straight edges that run alike."""
     if len(edges) < 2:
         return
@@ -133,7 +133,7 @@ def _straight(edges: Sequence[Edge], thickest: float) -> Iterator[Band]:
                 yield band
 
 
-def _between(one: Edge, other: Edge, thickest: float) -> Band | None:
+def _between(one: Edge, other: Edge, thickest: float) -> WallStretch | None:
     """The band that two straight edges share, whose axis halves the angle between them."""
     d, e = (one.end - one.start) / one.length, (other.end - other.start) / other.length
     e = e if float(d @ e) > 0.0 else -e
@@ -149,7 +149,7 @@ def _between(one: Edge, other: Edge, thickest: float) -> Band | None:
         return None
     middle = offsets.mean(axis=0)
     start, end = low * d + middle[0] * n, high * d + middle[1] * n
-    return Band(Edge(start, end, one.handle), thickness, (one.handle, other.handle), float(np.ptp(np.abs(apart))))
+    return WallStretch(Edge(start, end, one.handle), thickness, (one.handle, other.handle), float(np.ptp(np.abs(apart))))
 
 
 def _span(edge: Edge, d: np.ndarray) -> tuple[float, float]:
@@ -164,7 +164,7 @@ def _offset(edge: Edge, d: np.ndarray, n: np.ndarray, place: float) -> float:
     return float(edge.start @ n) * (1.0 - share) + float(edge.end @ n) * share
 
 
-def _concentric(one: Edge, other: Edge, thickest: float) -> Band | None:
+def _concentric(one: Edge, other: Edge, thickest: float) -> WallStretch | None:
     """The band between two arcs about nearly one centre."""
     if one.centre is None or other.centre is None:
         return None
@@ -180,7 +180,7 @@ def _concentric(one: Edge, other: Edge, thickest: float) -> Band | None:
     if (high - low) * radius < BRIEF:
         return None
     start, end = (centre + radius * np.array([math.cos(a), math.sin(a)]) for a in (low, high))
-    return Band(Edge(start, end, one.handle, centre, high - low), thickness, (one.handle, other.handle))
+    return WallStretch(Edge(start, end, one.handle, centre, high - low), thickness, (one.handle, other.handle))
 
 
 def _ccw(arc: Edge, centre: np.ndarray) -> tuple[float, float]:
@@ -190,7 +190,7 @@ def _ccw(arc: Edge, centre: np.ndarray) -> tuple[float, float]:
     return math.atan2(spoke[1], spoke[0]), abs(arc.sweep)
 
 
-def merged(bands: Sequence[Band], ground: Any, openings: Sequence[Any]) -> list[Band]:
+def merged(bands: Sequence[WallStretch], ground: Any, openings: Sequence[Any]) -> list[WallStretch]:
     """Bands in line, with wall or an opening between them, as one."""
     out = sorted(bands, key=lambda b: (-b.length, *b.axis.start))
     again = True
@@ -206,7 +206,7 @@ def merged(bands: Sequence[Band], ground: Any, openings: Sequence[Any]) -> list[
     return out
 
 
-def _one_of(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Band | None:
+def _one_of(one: WallStretch, other: WallStretch, ground: Any, openings: Sequence[Any]) -> WallStretch | None:
     """Two bands as one, or None."""
     if abs(one.thickness - other.thickness) > max(IN_LINE, 0.08 * one.thickness):
         return None
@@ -223,14 +223,14 @@ def _one_of(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Ban
     low, high = spans[0][1], spans[1][0]
     share = (one.length, other.length)
     thickness = (one.thickness * share[0] + other.thickness * share[1]) / sum(share)
-    gap = Band(Edge(far[0] + low * d, far[0] + high * d, ""), thickness, ())
+    gap = WallStretch(Edge(far[0] + low * d, far[0] + high * d, ""), thickness, ())
     if high - low > 0.02 and not _bridged(gap, ground, openings):
         return None
     handles = tuple(dict.fromkeys((*one.handles, *other.handles)))
-    return Band(Edge(far[0], far[1], one.axis.handle), thickness, handles, max(one.taper, other.taper))
+    return WallStretch(Edge(far[0], far[1], one.axis.handle), thickness, handles, max(one.taper, other.taper))
 
 
-def _bridged(gap: Band, ground: Any, openings: Sequence[Any]) -> bool:
+def _bridged(gap: WallStretch, ground: Any, openings: Sequence[Any]) -> bool:
     """Return True if wall, or one opening, fills a gap between two bands."""
     strip = gap.ground(0.5)
     if ground is not None and ground.intersection(strip).area >= BRIDGED * strip.area:
@@ -239,7 +239,7 @@ def _bridged(gap: Band, ground: Any, openings: Sequence[Any]) -> bool:
     return any(along.intersection(opening.buffer(0.5 * gap.thickness + 0.05)).length >= BRIDGED * along.length for opening in openings)
 
 
-def _one_arc(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Band | None:
+def _one_arc(one: WallStretch, other: WallStretch, ground: Any, openings: Sequence[Any]) -> WallStretch | None:
     """Two curved bands about one centre that meet or overlap as one."""
     if one.axis.centre is None or other.axis.centre is None or math.dist(one.axis.centre, other.axis.centre) > IN_LINE:
         return None
@@ -253,7 +253,7 @@ def _one_arc(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Ba
     if gap * one.axis.radius > 0.02:
         ends = [one.axis.centre + turned(first.axis.points()[0] - one.axis.centre, angle) for angle in (sweep, sweep + gap)]
         if first.axis.sweep < 0.0 or not _bridged(
-            Band(Edge(ends[0], ends[1], "", one.axis.centre, gap), one.thickness, ()), ground, openings
+            WallStretch(Edge(ends[0], ends[1], "", one.axis.centre, gap), one.thickness, ()), ground, openings
         ):
             return None
     total = max(sweep, sweep + gap + abs(second.axis.sweep))
@@ -262,7 +262,7 @@ def _one_arc(one: Band, other: Band, ground: Any, openings: Sequence[Any]) -> Ba
     begin = first.axis.start if first.axis.sweep > 0.0 else first.axis.end
     end = one.axis.centre + turned(begin - one.axis.centre, total)
     handles = tuple(dict.fromkeys((*one.handles, *other.handles)))
-    return Band(Edge(begin, end, one.axis.handle, one.axis.centre, total), one.thickness, handles)
+    return WallStretch(Edge(begin, end, one.axis.handle, one.axis.centre, total), one.thickness, handles)
 
 
 def turn_between(one: Edge, other: Edge) -> float:

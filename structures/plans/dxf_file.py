@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from structures.files.drawing import DAMAGED, Shown, opened, sheets_line, shown
-from structures.files.foreign import Answer, Refused
+from structures.files.foreign import FileContents, Refused
 from structures.plans.entities import INSERT, MOST_BULGE, OTHER, PATH, TEXT, Entity
 
 MOST = 200_000  # entities of a plan: a drawing of a whole town has as many
@@ -25,7 +25,7 @@ LETTER = 0.8  # width of a letter over its height
 CHORD = 1e-3  # of the extent of an ellipse or a spline, by which its chords may be off
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The entities of a file, its code of units ($INSUNITS), and 1 where the file is damaged and was read as far as it could be.
 
     Raises:
@@ -40,7 +40,7 @@ def read(path: Path) -> Answer:
         if len(entities) > MOST:
             raise Refused(path.name, f"more than {MOST} entities; keep those of one floor")
     units = drawing.header.get("$INSUNITS", 0)
-    return Answer(entities, [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
+    return FileContents(entities, [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
 
 
 def _read_one(item: Shown) -> list[Entity]:

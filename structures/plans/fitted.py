@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from structures.plans import marks
-from structures.plans.axes import Wall
+from structures.plans.axes import WallAxis
 from structures.plans.edges import Edge, edges_of, polygon
 from structures.plans.entities import INSERT, PATH, Entity
 from structures.plans.marks import Marks
@@ -115,7 +115,7 @@ class Fitted(NamedTuple):
     across: tuple[float, float]  # its extent across the wall, from the axis to the left [m]
 
 
-def fit(one: Drawn, walls: Sequence[Wall]) -> Fitted | None:
+def fit(one: Drawn, walls: Sequence[WallAxis]) -> Fitted | None:
     """The wall that a drawn opening lies in and its extent along it, or None."""
     for beside in (TOUCHING, BESIDE):
         best: Fitted | None = None
@@ -139,7 +139,7 @@ def _coordinates(shape: Any) -> np.ndarray:
     return shapely.get_coordinates(shape)
 
 
-def _across(wall: Wall, corners: np.ndarray) -> tuple[float, float]:
+def _across(wall: WallAxis, corners: np.ndarray) -> tuple[float, float]:
     import shapely
 
     line = wall.line

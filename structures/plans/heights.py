@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from structures.plans.axes import Wall
+from structures.plans.axes import WallAxis
 from structures.plans.marks import Marks
 
 AWAY = 0.8  # a text further than this from the faces of a wall is of something else [m]
@@ -24,7 +24,7 @@ class Note(NamedTuple):
     handle: str
 
 
-def nearest_wall(text: Any, walls: Sequence[Wall]) -> int | None:
+def nearest_wall(text: Any, walls: Sequence[WallAxis]) -> int | None:
     """The wall next to whose face the line of a text stands, or in which it does."""
     apart = [wall.ground().distance(text) for wall in walls]
     if not apart or min(apart) > AWAY:
@@ -34,7 +34,7 @@ def nearest_wall(text: Any, walls: Sequence[Wall]) -> int | None:
     return min(among, key=lambda k: walls[k].line.distance(middle))
 
 
-def height_keys(wall: Wall, k: int, walls: Sequence[Wall], notes: Sequence[Note], default: float | None) -> dict[str, Any] | None:
+def height_keys(wall: WallAxis, k: int, walls: Sequence[WallAxis], notes: Sequence[Note], default: float | None) -> dict[str, Any] | None:
     """The keys ``base`` and ``height`` or ``top`` of a wall; None where nothing says its height."""
     base = next((note.marks.numbers["base"] for note in notes if "base" in note.marks.numbers), 0.0)
     keys: dict[str, Any] = {"base": base} if base else {}
@@ -51,7 +51,7 @@ def height_keys(wall: Wall, k: int, walls: Sequence[Wall], notes: Sequence[Note]
     return keys | ({"height": top[0][1]} if len(top) == 2 and top[0][1] == top[1][1] else {"top": top})
 
 
-def _within(s: float, wall: Wall) -> float:
+def _within(s: float, wall: WallAxis) -> float:
     """A place along a wall to a tenth of a millimetre, and never beyond its end [m]."""
     return min(round(s, 4), math.floor(1e6 * wall.length) / 1e6)
 
@@ -61,7 +61,7 @@ def _height(marks: Marks, base: float) -> float:
     return round(marks.numbers.get("height", marks.numbers["level"] - base if "level" in marks.numbers else 0.0), 4)
 
 
-def _steps(wall: Wall, k: int, walls: Sequence[Wall], tall: Sequence[tuple[float, float]]) -> list[list[float]]:
+def _steps(wall: WallAxis, k: int, walls: Sequence[WallAxis], tall: Sequence[tuple[float, float]]) -> list[list[float]]:
     """The profile of a wall of several heights: each stretch between walls that meet it has that of the nearest text in it, or near it."""
     met = sorted(_crossings(wall, k, walls))
     bounds = [(0.0, 0.0), *met, (wall.length, 0.0)]
@@ -77,7 +77,7 @@ def _steps(wall: Wall, k: int, walls: Sequence[Wall], tall: Sequence[tuple[float
     return [*top, [_within(wall.length, wall), heights[-1]]]
 
 
-def _crossings(wall: Wall, k: int, walls: Sequence[Wall]) -> list[tuple[float, float]]:
+def _crossings(wall: WallAxis, k: int, walls: Sequence[WallAxis]) -> list[tuple[float, float]]:
     """Distances along the axis at which others end on it or cross it, each with half the thickness of the other."""
     import shapely
 

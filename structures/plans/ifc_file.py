@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.extras import require
-from structures.files.foreign import Answer, Faces, Refused
+from structures.files.foreign import Faces, FileContents, Refused
 
 WALLS, OPENINGS, COLUMNS, SLABS, ROOFS = "IfcWall", "IfcOpeningElement", "IfcColumn", "IfcSlab", "IfcRoof"
 READ = (WALLS, OPENINGS, COLUMNS, SLABS, ROOFS)
@@ -44,7 +44,7 @@ class Shape(NamedTuple):
     faces: Faces  # triangles
 
 
-def read(path: Path) -> Answer:
+def read(path: Path) -> FileContents:
     """The elements of a model.
 
     Raises:
@@ -68,7 +68,7 @@ def read(path: Path) -> Answer:
     if not any(shape.kind == WALLS for shape in shapes):
         seen = f"; {', '.join(f'{count} {what}' for what, count in unread.items())}" if unread else ""
         raise Refused(path.name, f"no IfcWall with a shape in it{seen}")
-    return Answer(shapes, (), [f"{path.name}: {count} {what} not read" for what, count in sorted(unread.items())])
+    return FileContents(shapes, (), [f"{path.name}: {count} {what} not read" for what, count in sorted(unread.items())])
 
 
 def _shapes(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Shape]:

@@ -19,8 +19,8 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.geometry import sixfold_volumes
 from structures.files.foreign import piece_of, word_of
-from structures.plans.axes import Wall, walls_of
-from structures.plans.bands import Band, merged
+from structures.plans.axes import WallAxis, walls_of
+from structures.plans.bands import WallStretch, merged
 from structures.plans.edges import Edge
 from structures.plans.ifc_file import COLUMNS, OPENINGS, READ, ROOFS, SLABS, WALLS
 from structures.plans.places import place
@@ -174,13 +174,13 @@ def _carries(below: _Straight, wall: _Straight) -> bool:
     return level and min(along, against) < 2.0 * LEVEL and abs(below.thickness - wall.thickness) < LEVEL and -LEVEL < gap < THROUGH
 
 
-def _bands(walls: Sequence[_Straight]) -> list[Band]:
+def _bands(walls: Sequence[_Straight]) -> list[WallStretch]:
     """The bands of walls; those in line and of one height as one."""
-    by_height: dict[tuple[int, int], list[Band]] = {}
+    by_height: dict[tuple[int, int], list[WallStretch]] = {}
     for k, wall in enumerate(walls):
         low, high = float(wall.top[:, 1].min()), float(wall.top[:, 1].max())
         key = (round(wall.base / LEVEL), round(high / LEVEL)) if high - low < LEVEL else (-1, k)
-        by_height.setdefault(key, []).append(Band(Edge(wall.start, wall.end, str(k)), wall.thickness, (str(k),)))
+        by_height.setdefault(key, []).append(WallStretch(Edge(wall.start, wall.end, str(k)), wall.thickness, (str(k),)))
     return [band for group in by_height.values() for band in merged(group, None, ())]
 
 
@@ -192,7 +192,7 @@ def _name(written: str, usual: str, taken: set[str]) -> str:
     return name
 
 
-def _heights(wall: Wall, own: Sequence[_Straight], source: str) -> dict[str, Any]:
+def _heights(wall: WallAxis, own: Sequence[_Straight], source: str) -> dict[str, Any]:
     """Base, and height or the profile of the top, of a wall made of some of the model.
 
     Raises:
@@ -216,7 +216,7 @@ def _heights(wall: Wall, own: Sequence[_Straight], source: str) -> dict[str, Any
     return {**base, "top": [[_rounded(s), _rounded(z)] for s, z in whole]}
 
 
-def _opening(element: Element, wall: Wall, base: float) -> dict[str, Any] | str:
+def _opening(element: Element, wall: WallAxis, base: float) -> dict[str, Any] | str:
     """The table of an opening; or why it is none."""
     along = np.array([wall.along(point) for point in element.points[:, :2].tolist()])
     low, high = float(along.min()), float(along.max())
@@ -240,7 +240,7 @@ def _opening(element: Element, wall: Wall, base: float) -> dict[str, Any] | str:
     return {"shape": "segmental" if rise < 0.5 * width else "pointed", **table, "rise": _rounded(rise)}
 
 
-def _across(element: Element, wall: Wall) -> tuple[float, float]:
+def _across(element: Element, wall: WallAxis) -> tuple[float, float]:
     """Extent of an opening across its wall, from the axis to the left [m]."""
     piece = min(wall.pieces, key=lambda one: math.dist(0.5 * (one.start + one.end), element.points[:, :2].mean(axis=0)))
     d = (piece.end - piece.start) / math.dist(piece.start, piece.end)

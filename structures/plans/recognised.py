@@ -10,8 +10,8 @@ import numpy as np
 
 from masonry_cd.foundation.errors import Fault, InputError
 from structures.plans import marks, single_lines
-from structures.plans.axes import Wall, walls_of
-from structures.plans.bands import Band, bands_of
+from structures.plans.axes import WallAxis, walls_of
+from structures.plans.bands import WallStretch, bands_of
 from structures.plans.edges import Faces, edges_of, faces_of
 from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
 from structures.plans.fitted import READ_AT, Drawn, beside_of, column_table, drawn, fit, opening_tables, vault_table
@@ -117,7 +117,7 @@ def _why_unknown(entity: Entity, keys: PlanKeys) -> str:
     return f"{entity.drawn_as} is nothing of a plan" if keys.layers.role(entity.layer) else "its layer has no meaning in structure.layers"
 
 
-def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) -> tuple[list[Wall], Faces, list[Left]]:
+def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) -> tuple[list[WallAxis], Faces, list[Left]]:
     """The walls, what is drawn of them, and which of that is no wall."""
     paths = roles.of("walls", PATH)
     broad = [p for p in paths if p.width > 0.0 and not p.closed]
@@ -155,7 +155,9 @@ def _filling(one: Drawn) -> Any:
     return one.shape if one.shape.geom_type == "Polygon" else one.shape.convex_hull
 
 
-def _from_axes(paths: Sequence[Entity], keys: PlanKeys, texts: Sequence[tuple[Entity, marks.Marks]]) -> tuple[list[Band], list[Left]]:
+def _from_axes(
+    paths: Sequence[Entity], keys: PlanKeys, texts: Sequence[tuple[Entity, marks.Marks]]
+) -> tuple[list[WallStretch], list[Left]]:
     """Bands from middle lines, whose thickness is the polyline's width, a mark next to them, or the scene's."""
     import shapely
 
@@ -173,18 +175,18 @@ def _from_axes(paths: Sequence[Entity], keys: PlanKeys, texts: Sequence[tuple[En
                     )
                 )
                 break
-            bands.append(Band(edge, float(thickness), (path.handle,)))
+            bands.append(WallStretch(edge, float(thickness), (path.handle,)))
     return bands, left
 
 
-def _named(walls: Sequence[Wall]) -> list[Wall]:
+def _named(walls: Sequence[WallAxis]) -> list[WallAxis]:
     return [wall._replace(name=f"w{k + 1}") for k, wall in enumerate(walls)]
 
 
 class _Reader:
     """Fits openings, heights, vaults and columns to walls."""
 
-    def __init__(self, walls: list[Wall], keys: PlanKeys, left: list[Left], name: str) -> None:
+    def __init__(self, walls: list[WallAxis], keys: PlanKeys, left: list[Left], name: str) -> None:
         self.walls, self.keys, self.left, self.name = walls, keys, left, name
         self.notes: list[str] = []
         self.faults: dict[str, Fault] = {}
@@ -299,7 +301,7 @@ class _Reader:
                 self.notes.append(f"{self.name}: {part.area:.2g} m2 of wall at {place(part.centroid.coords[0])} are in no wall")
 
 
-def axis_of(wall: Wall) -> list[Any]:
+def axis_of(wall: WallAxis) -> list[Any]:
     """The axis as the scene has it."""
     axis: list[Any] = [_point(wall.pieces[0].start)]
     for piece in wall.pieces:

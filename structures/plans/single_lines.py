@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from structures.plans.axes import Wall
+from structures.plans.axes import WallAxis
 from structures.plans.edges import Edge
 from structures.plans.entities import Entity
 
@@ -31,7 +31,7 @@ ROOMS = re.compile(
 AREA = re.compile(r"\d\s*(?:m2|m²|mq|sqm|qm)\b")
 
 
-def signs(edges: Sequence[Edge], walls: Sequence[Wall], texts: Sequence[Entity]) -> tuple[bool, str]:
+def signs(edges: Sequence[Edge], walls: Sequence[WallAxis], texts: Sequence[Entity]) -> tuple[bool, str]:
     """Judge if a drawing is likely in single lines, so much so that its walls are none; and why; empty where no sign is found.
 
     Args:
@@ -47,7 +47,7 @@ def signs(edges: Sequence[Edge], walls: Sequence[Wall], texts: Sequence[Entity])
     return sure, f"{'; '.join(found)}: {REMEDY}" if found else ""
 
 
-def bare_share(edges: Sequence[Edge], walls: Sequence[Wall]) -> float:
+def bare_share(edges: Sequence[Edge], walls: Sequence[WallAxis]) -> float:
     """Share of the length of some lines that no wall covers."""
     import shapely
 
@@ -63,7 +63,7 @@ def _line(edge: Edge) -> Any:
     return shapely.LineString(np.concatenate([edge.points(), edge.end[None]]))
 
 
-def _rooms(walls: Sequence[Wall], texts: Sequence[Entity]) -> list[tuple[str, Wall]]:
+def _rooms(walls: Sequence[WallAxis], texts: Sequence[Entity]) -> list[tuple[str, WallAxis]]:
     """Texts that name a room, or its area, within walls that are thick enough for one."""
     thick = [(wall, wall.ground()) for wall in walls if wall.thickness > THICK]
     named = [text for text in texts if ROOMS.search(text.text.lower()) or AREA.search(text.text.lower())]

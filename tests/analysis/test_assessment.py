@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made_assessment import KNOWN, LEVELS, made, row, written
 
-from masonry_cd.analysis.assessment.assessment import ANSWERS, LEVEL, Known, Member, read_assessment
+from masonry_cd.analysis.assessment.assessment import ANSWERS, LEVEL, KnownAssumption, Member, read_assessment
 from masonry_cd.analysis.assessment.verdict import lines_of, on_the_whole, to_pin_down, verdict, warnings_of
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
@@ -56,7 +56,7 @@ def test_a_time_step_that_decides_is_a_warning_and_nothing_to_pin_down() -> None
 
 
 def test_levels_coarser_than_the_base_case_are_shown_and_decide_nothing(tmp_path: Path) -> None:
-    points = Known("joint points", "9", ("5", "15"), "", True, ("5",))
+    points = KnownAssumption("joint points", "9", ("5", "15"), "", True, ("5",))
     base, rows = made(), ((one, row(value)) for one, value in (("5", 900.0), ("15", 101.0)))
     members = (*base.members, *(Member(LEVEL, {"joint points": name}, one) for name, one in rows))
     found = type(base)(base.title, base.scene, (*base.assumptions, points), (), members)

@@ -21,7 +21,7 @@ from small_runs import ctrl_c_before_step, write_scene
 
 from masonry_cd.app import run_loop
 from masonry_cd.app.case import prepare
-from masonry_cd.app.checkpoint_checks import Kept, check_content
+from masonry_cd.app.checkpoint_checks import KeptArrays, check_content
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
@@ -103,7 +103,7 @@ def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
     arrays, numbers = checkpoint.load(folder / checkpoint.NAME)
-    kept = Kept(case.assembly.blocks, case.joints.count, case.scene.stress, settles(case.assembly))
+    kept = KeptArrays(case.assembly.blocks, case.joints.count, case.scene.stress, settles(case.assembly))
     return arrays, numbers, lambda arrays, numbers: check_content(arrays, numbers, stepper, kept)
 
 

@@ -73,14 +73,14 @@ ONE_CONTACT = """\
 """
 JOLT = """\
     import numpy as np
-    from loads.motion import LoadKind, LoadTable, Part, Static, parse_direction
+    from loads.motion import LoadAction, LoadKind, LoadTable, Static, parse_direction
 
     class JoltTable(LoadTable):
         "The base moves along x at a constant speed [m/s]; limit analysis pushes."
         speed: float
 
     def jolt(table, grid, where):
-        return Part(motion=lambda times: np.outer(np.full(len(times), table.speed), [1.0, 0.0, 0.0]), lines=(f"{where} jolt",))
+        return LoadAction(motion=lambda times: np.outer(np.full(len(times), table.speed), [1.0, 0.0, 0.0]), lines=(f"{where} jolt",))
 
     KINDS = {
         "jolt": LoadKind(

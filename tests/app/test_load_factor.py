@@ -23,7 +23,7 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import LimitBracket, LoadFactor
-from masonry_cd.limit.case import LimitCase, Wanted, limit_case
+from masonry_cd.limit.case import LimitCase, WantedMechanisms, limit_case
 from masonry_cd.mechanics.model.blocks import Block
 
 
@@ -224,7 +224,7 @@ def test_the_curves_of_masses_and_of_live_loads_are_those_of_the_moved_blocks(tm
     """Balance of moments about the toe at every point: a mass goes with its block, as the point of attack of a live load does."""
     side = f'[[loads]]\nkind = "point"\nblock = "a"\nforce = [1000.0, 0, 0]\npoint = [0.25, 0, {HIGH}]\n'
     for tables in (f"{TOP}[limit]\npush = 'x'\nmasses = [0]\n", f"{TOP}{side}[limit]\nlive = [1]\n"):
-        case = limit_case(scene(tmp_path, pillar(), tables), wanted=Wanted(curve=True))
+        case = limit_case(scene(tmp_path, pillar(), tables), wanted=WantedMechanisms(curve=True))
         assert case.whole.curve is not None and case.whole.curve.falls
         for k in range(0, len(case.whole.curve.factor), 7):
             stage = case.whole.curve.stages[k]
@@ -247,6 +247,6 @@ def _top(corners: np.ndarray) -> tuple[float, float]:
 def test_masses_count_in_macro_elements(tmp_path: Path) -> None:
     part = '[[limit.mechanism]]\nblocks = ["a"]\ndirection = "x"\nmechanisms = ["overturning"]\n[limit]\nmasses = [0]\n'
     part += f"{CHECK}displacements = false\n"
-    case = limit_case(scene(tmp_path, pillar(), TOP + part), wanted=Wanted(jobs=1))
+    case = limit_case(scene(tmp_path, pillar(), TOP + part), wanted=WantedMechanisms(jobs=1))
     first = case.mechanisms[0].row
     assert first["alpha0"] == pytest.approx(0.5 * WIDE / MIDDLE, rel=1e-6) and first["fraction"] == pytest.approx(1.0, rel=1e-6)

@@ -30,7 +30,7 @@ from masonry_cd.app.summary import elasticity_left_out, masses
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.mechanics.dynamics import solving
-from masonry_cd.mechanics.model.blocks import Assembly, Carried
+from masonry_cd.mechanics.model.blocks import Assembly, CarriedLoad
 from reports.drawing.palette import CRUSHED
 from reports.drawing.parts import painted
 from reports.maps.crack_map import crack_scene
@@ -223,7 +223,7 @@ def test_a_run_of_rigid_blocks_says_that_it_left_strains_out(block_on_plate: Cal
 
 def test_masses_are_those_of_the_free_blocks_by_group_with_what_rides_on_them() -> None:
     """Two cubes of 1 m at 2,000 kg/m3; on one of them ride 500 kg of fill."""
-    fill = Carried(500.0, np.array([0.5, 0.5, 1.2]), np.zeros((3, 3)))
+    fill = CarriedLoad(500.0, np.array([0.5, 0.5, 1.2]), np.zeros((3, 3)))
     vault = replace(box("vault", (-1.5, 0, 0), (-0.5, 1, 1)), carried=fill, group="arch")
     said = masses(Assembly.from_blocks([ground(), replace(box("stone", (0, 0, 0), (1, 1, 1)), group="wall"), vault], 0.6))
     assert said == "masses: 4.5 t free to move, arch 2.5 t, wall 2 t; 0.5 t of it is fill that rides on blocks"

@@ -20,7 +20,7 @@ from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.stones import Stones
 from masonry_cd.studies.laboratory.case import limit_factor, run_in
-from structures import Made
+from structures import MadeStructure
 from structures.files import blockfile
 from structures.geometry.checks import check
 from structures.geometry.prism import box
@@ -36,7 +36,7 @@ def stone(low: tuple[float, ...], high: tuple[float, ...], name: str = "stone", 
 
 def cut(block: Block, **keys: Any) -> list[Block]:
     base = stone((-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), "base", "base", fixed=True)
-    made = in_pieces(Made([base, block], []), {"wall": Stones(tensile_strength=STRENGTH, young=YOUNG, **keys)})
+    made = in_pieces(MadeStructure([base, block], []), {"wall": Stones(tensile_strength=STRENGTH, young=YOUNG, **keys)})
     check(made.blocks)
     return list(made.blocks)[1:]
 

@@ -15,7 +15,7 @@ from benchmarks import limit
 from benchmarks.held_push import bracket
 from benchmarks.noise import noisy
 from benchmarks.packing import arguments, energy_over_weight, inside, pour, row, slope
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.geometry import mass_properties
@@ -25,7 +25,7 @@ from structures.geometry.checks import Shells, check_convex, check_shells
 @pytest.mark.parametrize("jobs", [1, pytest.param(3, marks=pytest.mark.slow(reason="three processes, each loads the program"))])
 def test_the_bracket_of_the_dynamics_holds_the_factor_of_a_pillar(jobs: int) -> None:
     assembly = Assembly.from_blocks([ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.0)), box("b", (0, -0.2, 1), (0.5, 0.2, 2))], 0.6)
-    found = analyse(assembly, find_joints(assembly), limit.push(assembly, limit.WAYS["x"]), Options(starts=0)).associated.factor
+    found = analyse(assembly, find_joints(assembly), limit.push(assembly, limit.WAYS["x"]), LimitOptions(starts=0)).associated.factor
     assert found == pytest.approx(0.25, abs=1e-9)
     seen = bracket(assembly, limit.WAYS["x"], (1.1 * found, 1.2 * found), 0.01, jobs)
     assert seen.low is not None and seen.high is not None

@@ -22,7 +22,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.studies.calibrate.plan import Calibration
 from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.study_file import read_study
 from masonry_cd.studies.study.task import Task, run_task
@@ -285,7 +285,7 @@ def test_the_pulse_that_left_the_columns_predicts_what_was_found() -> None:
     found = Calibration.of(read_study(EXAMPLES / "attribute_columns.toml"))
     assert found.motion == ("loads[0].duration", "loads[0].acceleration")
     truth = {"loads[0].acceleration": 0.7 * STANDARD_GRAVITY, "loads[0].duration": 0.7, "loads[0].direction": 40.0}
-    row = calibrate_task(found.wanted, Task("truth", found.maker.tables(Asked(values=truth)), 60.0)).row
+    row = calibrate_task(found.wanted, Task("truth", found.maker.tables(DesignedRun(values=truth)), 60.0)).row
     for one in found.wanted.observations:
         value = row.number(PREDICTED)[one.title]
         assert value == one.value if one.what == "fallen" else abs(one.off(np.array([value]))[0]) < 2.0

@@ -26,7 +26,7 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import read_summary
-from masonry_cd.studies.accuracy.command import Asked, accuracy
+from masonry_cd.studies.accuracy.command import AccuracyRequest, accuracy
 from masonry_cd.studies.study.study_file import read_study
 from structures.kinds import file as block_file
 from structures.kinds import solid
@@ -46,7 +46,7 @@ READ: dict[str, Callable[[Path], object]] = {
     "problem.hdf5": read_problem,
     "result.h5": Results.open,
     "checkpoint.npz": checkpoint.load,
-    "accuracy.toml": lambda path: accuracy(path, path.parent, Asked(), print),
+    "accuracy.toml": lambda path: accuracy(path, path.parent, AccuracyRequest(), print),
     "study.json": lambda path: study_folder.read_study(path.parent),
     "summary.json": lambda path: read_summary(path.parent),
     "modes.csv": read_measured,

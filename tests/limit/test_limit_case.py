@@ -19,7 +19,7 @@ from pictures import pixels
 from benchmarks.dry_walls import ASSOCIATED, dry_wall
 from masonry_cd.analysis.limit import descent, programme
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.case import Wanted, limit_case
+from masonry_cd.limit.case import WantedMechanisms, limit_case
 from masonry_cd.limit.facts import facts
 from masonry_cd.limit.files import EVERY, write
 from masonry_cd.limit.pictures import draw_whole
@@ -277,7 +277,7 @@ def test_the_page_shows_the_check_the_pictures_and_the_certificate(checked):
     ],
 )
 def test_the_command_on_the_page_asks_for_what_is_on_it(table: str, asked: bool, command: str, tmp_path: Path) -> None:
-    write(limit_case(scene(tmp_path, pillar(), f"{PUSH}{table}"), wanted=Wanted(curve=asked)), tmp_path / "out", pictures=False)
+    write(limit_case(scene(tmp_path, pillar(), f"{PUSH}{table}"), wanted=WantedMechanisms(curve=asked)), tmp_path / "out", pictures=False)
     assert f"<pre>{command}</pre>" in (tmp_path / "out" / "limit.html").read_text()
 
 

@@ -15,7 +15,7 @@ from limit_scenes import said, scene
 from models import GRAVITY, box, ground
 
 from masonry_cd.app.scene import read_scene
-from masonry_cd.limit.case import LimitCase, Wanted, limit_case
+from masonry_cd.limit.case import LimitCase, WantedMechanisms, limit_case
 from masonry_cd.limit.checked import least_of
 from masonry_cd.limit.facts import facts
 from masonry_cd.limit.files import write
@@ -33,7 +33,7 @@ def slabs() -> list[Block]:
 
 def parts_of(path: Path) -> LimitCase:
     """The chosen parts of a scene, on one process."""
-    return limit_case(path, wanted=Wanted(whole=False, jobs=1))
+    return limit_case(path, wanted=WantedMechanisms(whole=False, jobs=1))
 
 
 def least_rows(case: LimitCase) -> list[dict[str, Any]]:

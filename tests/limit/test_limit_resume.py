@@ -18,7 +18,7 @@ from masonry_cd.app.limit_structure import limit_structure
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit import parts
-from masonry_cd.limit.kept import NAME, Kept
+from masonry_cd.limit.kept import NAME, KeptParts
 
 TABLES = '[limit]\npush = "-x"\n[limit.check]\nspectrum = "EC8"\nag = 2.0\n' + SLAB + SLAB.replace('"slab"', '"low"')
 
@@ -69,15 +69,15 @@ def test_a_record_that_is_cut_short_or_of_another_scene_is_analysed_again(tmp_pa
     structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
     (push, _), folder = parts.asked_for(structure, False), tmp_path / "out"
     (one,) = parts.analysed(parts.whole_of(structure, structure.loads_of_parts()), [push], parts.effort_of(structure.asked, 0), (1, True))
-    Kept.to(folder, structure, False).add(one, [])
+    KeptParts.to(folder, structure, False).add(one, [])
     whole = (folder / NAME).read_bytes()
-    assert Kept.to(folder, structure, True).of(push) is not None
+    assert KeptParts.to(folder, structure, True).of(push) is not None
     (folder / NAME).write_bytes(whole[:-1])
-    assert Kept.to(folder, structure, True).of(push) is None
+    assert KeptParts.to(folder, structure, True).of(push) is None
     (folder / NAME).write_bytes(whole)
     (tmp_path / "other").mkdir()
     other = limit_structure(read_scene(scene(tmp_path / "other", slabs(), TABLES, mu=0.5)))
-    kept = Kept.to(folder, other, True)
+    kept = KeptParts.to(folder, other, True)
     assert kept.of(push) is None and kept.others == 1
 
 
@@ -85,10 +85,10 @@ def test_a_record_runs_no_code(tmp_path: Path) -> None:
     structure = limit_structure(read_scene(scene(tmp_path, slabs(), TABLES, mu=0.6)))
     folder = tmp_path / "out"
     folder.mkdir()
-    record = Kept.to(folder, structure, False).stamp + pickle.dumps(print)
+    record = KeptParts.to(folder, structure, False).stamp + pickle.dumps(print)
     (folder / NAME).write_bytes(len(record).to_bytes(8, "big") + record)
     with pytest.raises(InputError, match="print"):
-        Kept.to(folder, structure, True)
+        KeptParts.to(folder, structure, True)
 
 
 def test_where_nothing_is_kept_all_is_analysed(tmp_path: Path, whole: dict[str, Any]) -> None:

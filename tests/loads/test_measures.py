@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.signal import StateSpace, butter, lsim, sosfilt
 
 from loads.motion import STANDARD_GRAVITY
-from loads.signal.baseline import History, integrate
+from loads.signal.baseline import GroundHistory, integrate
 from loads.signal.directions import rotated
 from loads.signal.measures import FAMILIES, parse
 
@@ -22,13 +22,13 @@ STEP = 0.01
 HALF_SINE = integrate(3.0 * np.sin(np.pi * np.linspace(0.0, 1.0, 1001)), 0.001)  # 3 m/s2, 1 s long
 
 
-def shaking(seed: int = 0, count: int = 400) -> History:
+def shaking(seed: int = 0, count: int = 400) -> GroundHistory:
     """Noise that swells and fades; samples unlike one another."""
     envelope = np.sin(np.pi * np.linspace(0.0, 1.0, count)) ** 2
     return integrate(envelope * np.random.default_rng(seed).normal(size=count), STEP)
 
 
-def measured(text: str, x: History, y: History | None = None) -> float:
+def measured(text: str, x: GroundHistory, y: GroundHistory | None = None) -> float:
     return parse(text).value({"x": x} if y is None else {"x": x, "y": y})
 
 
@@ -189,7 +189,7 @@ STEP_SCIPY, SAMPLES = 0.005, 3000
 
 
 @pytest.fixture(scope="module")
-def motion() -> History:
+def motion() -> GroundHistory:
     """Noise between 0.3 and 12 Hz that swells and fades, as an earthquake does."""
     random = np.random.Generator(np.random.PCG64(7))
     t = STEP_SCIPY * np.arange(SAMPLES)
@@ -197,7 +197,7 @@ def motion() -> History:
     return integrate(10.0 * noise * np.exp(-(((t - 5.0) / 3.0) ** 2)), STEP_SCIPY)
 
 
-def oscillator(motion: History, period: float, damping: float) -> np.ndarray:
+def oscillator(motion: GroundHistory, period: float, damping: float) -> np.ndarray:
     """Displacement of an oscillator on the moving base (N,) [m]; exact between samples that are joined by straight lines."""
     w = 2.0 * math.pi / period
     system = StateSpace([[0.0, 1.0], [-w * w, -2.0 * damping * w]], [[0.0], [-1.0]], [[1.0, 0.0]], [[0.0]])
@@ -206,12 +206,12 @@ def oscillator(motion: History, period: float, damping: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("period", "damping"), [(0.05, 0.05), (0.3, 0.05), (1.0, 0.02), (2.0, 0.10)])
-def test_sa_is_that_of_an_oscillator_of_scipy(motion: History, period: float, damping: float) -> None:
+def test_sa_is_that_of_an_oscillator_of_scipy(motion: GroundHistory, period: float, damping: float) -> None:
     wanted = (2.0 * math.pi / period) ** 2 * np.abs(oscillator(motion, period, damping)).max()
     assert parse(f"Sa({period},{damping})").value({"x": motion}) == pytest.approx(wanted, rel=1e-8)
 
 
-def test_the_average_and_the_spectrum_intensity_are_made_of_oscillators_of_scipy(motion: History) -> None:
+def test_the_average_and_the_spectrum_intensity_are_made_of_oscillators_of_scipy(motion: GroundHistory) -> None:
     periods = np.linspace(0.2, 1.0, 10)
     sa = [(2.0 * math.pi / T) ** 2 * np.abs(oscillator(motion, T, 0.05)).max() for T in periods]
     assert parse("AvgSA(0.2,1.0)").value({"x": motion}) == pytest.approx(float(np.exp(np.mean(np.log(sa)))), rel=1e-8)
@@ -220,7 +220,7 @@ def test_the_average_and_the_spectrum_intensity_are_made_of_oscillators_of_scipy
     assert parse("Housner").value({"x": motion}) == pytest.approx(trapezoid(sv, periods), rel=1e-5)  # which looks between samples as well
 
 
-def test_integrals_over_the_motion_are_those_of_scipy(motion: History) -> None:
+def test_integrals_over_the_motion_are_those_of_scipy(motion: GroundHistory) -> None:
     """On samples so fine that the rules of integration do not tell."""
     t = STEP_SCIPY * np.arange(SAMPLES)
     fine = np.linspace(0.0, t[-1], 20 * (SAMPLES - 1) + 1)

@@ -27,7 +27,7 @@ from reports.drawing import palette
 from reports.drawing.figure import Sheet
 from reports.drawing.parts import Scale, Surface, Window, rgb, view_named
 from reports.drawing.render import Canvas
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import auto_view, families_of, structure_scene, within_sight
 from reports.maps import framing
 from reports.maps.sequence import animation, crack_maps, frames_at
@@ -333,7 +333,7 @@ def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
             layers = [
                 Surface(square + [0, k, 0], np.arange(4), np.array([0, 4]), np.array([colour], np.uint8), lit=False) for k in range(3)
             ]
-            image = canvas.draw(Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), layers))
+            image = canvas.draw(PictureScene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), layers))
             assert image[20, 20].tolist() == colour
             assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well
 
@@ -342,7 +342,7 @@ def test_a_pixel_is_the_mean_of_its_samples() -> None:
     """A square that ends in the middle of the column of pixels at 20 covers half of the samples there, and all or none elsewhere."""
     square = np.array([[0.0, 0, 0], [0.5, 0, 0], [0.5, 0, 1], [0, 0, 1]])
     layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[200, 0, 100]], np.uint8), lit=False)
-    drawn = Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer])
+    drawn = PictureScene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer])
     with Canvas(view_named("front"), (41, 41), samples=2) as canvas:
         row = canvas.draw(drawn)[20]
     assert (row[2:20] == [200, 0, 100]).all() and (row[21:39] == 255).all()
@@ -358,7 +358,7 @@ def test_memory_of_pictures_goes_back_to_the_system() -> None:
         square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
         layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[255, 0, 0]], np.uint8), lit=False)
         with Canvas(view_named("front"), pixels, samples=2) as canvas:
-            canvas.draw(Scene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer]))
+            canvas.draw(PictureScene(view_named("front"), Window(0.0, 1.0, 0.0, 1.0), [layer]))
         return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 1e6
 
     keep_freed_memory()

@@ -18,10 +18,10 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_area
 from reports.drawing.bands import DrawnJoints
-from reports.drawing.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
+from reports.drawing.cut import CutPlane, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
 from reports.drawing.figure import Sheet, save
 from reports.drawing.parts import Lines, Surface, Ties, hexed, view_named
-from reports.drawing.scene import Scene
+from reports.drawing.scene import PictureScene
 from reports.drawing.solids import block_layers, structure_scene, structure_window
 from reports.maps.crack_map import at_rest as scene_at_rest
 from reports.maps.crack_map import crack_scene
@@ -36,7 +36,7 @@ def hinged(folder: Path, opening: float) -> Path:
     return write_run(folder / "run.h5", COLUMN, [rest, turned(rest, 3, (0.5, 0.0, 2.0), float(np.degrees(opening)))])
 
 
-def scene_of(results: Results) -> Scene:
+def scene_of(results: Results) -> PictureScene:
     """The crack map of its last frame."""
     return crack_scene(results, 1, framing(results, [1], MapStyle()))
 
@@ -184,7 +184,7 @@ def test_a_crack_inside_shows_in_the_cut_only(tmp_path: Path) -> None:
 def test_ties_end_at_the_plane_and_those_before_it_are_left_out() -> None:
     ends = np.array([[[0.0, 0.0, 1.0], [4.0, 0.0, 1.0]], [[3.0, 0.0, 1.0], [4.0, 2.0, 1.0]], [[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]])
     ties = Ties(ends, ("crossing", "before", "behind"), np.array([1.0, 2.0, 3.0]))
-    left = clipped_ties(ties, Cut("x", 2.0, np.array([-1.0, 0.0, 0.0])))
+    left = clipped_ties(ties, CutPlane("x", 2.0, np.array([-1.0, 0.0, 0.0])))
     assert left.texts == ("crossing", "behind")
     assert left.tension.tolist() == [1.0, 3.0]
     assert left.ends.tolist() == [[[0.0, 0.0, 1.0], [2.0, 0.0, 1.0]], [[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]]

@@ -21,8 +21,8 @@ from masonry_cd.analysis.code_check.ground import ground_of
 from masonry_cd.analysis.code_check.level import level_of
 from masonry_cd.analysis.code_check.spectra import spectra
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.code_check.verdicts import Spectrum
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.code_check.verdicts import CheckSpectrum
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import parse_table
@@ -34,7 +34,7 @@ from reports.drawing.figure import COLUMN, MARGIN, TITLE, WIDTH, Sheet, layout
 from reports.drawing.palette import CRUSHED, FAULTY, INK
 from reports.drawing.parts import Lines, view_named
 from reports.drawing.refused_blocks import problem_picture
-from reports.limit.picture import Subject, mechanism_scene
+from reports.limit.picture import LimitSubject, mechanism_scene
 from reports.limit.spectrum_picture import spectrum_picture
 from structures.geometry.checks import Unsound, check
 
@@ -43,7 +43,7 @@ WALL = Oscillator(0.125, G, 1.0, 0.5, 0.25, np.array([0.0, 0.5]), np.array([0.12
 HELD = {"spectrum": "EC8", "ag": 1.5, "building_height": 10.0, "building_period": 0.3}
 
 
-def of(keys: dict[str, Any], folder: Path) -> tuple[Spectrum, ...]:
+def of(keys: dict[str, Any], folder: Path) -> tuple[CheckSpectrum, ...]:
     """The spectra of the check of a wall, held 6 m up."""
     table = parse_table(CheckTable, keys, "limit.check")
     level, ground = level_of(table, 6.0, 0.0), ground_of(table, folder)
@@ -65,12 +65,12 @@ def test_a_picture_has_a_panel_for_each_check(tmp_path: Path) -> None:
     assert displaced.asked[displaced.largest] == pytest.approx(displaced.check.demand, rel=5e-3)
 
 
-def slabs_pushed(direction: tuple[float, float, float]) -> Subject:
+def slabs_pushed(direction: tuple[float, float, float]) -> LimitSubject:
     """Two slabs, which keep a picture from being a front view, in the mechanism of a push."""
     blocks = [ground(8.0), box("one", (0.0, 0.0, 0.0), (0.5, 0.5, 3.0)), box("two", (1.0, 2.0, 0.0), (1.5, 2.5, 3.0))]
     assembly, joints = joined(blocks, 0.6)
-    found = analyse(assembly, joints, push_loads(assembly, direction), Options(starts=0))
-    return Subject(found.governing.mechanism, blocks, joints)
+    found = analyse(assembly, joints, push_loads(assembly, direction), LimitOptions(starts=0))
+    return LimitSubject(found.governing.mechanism, blocks, joints)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
@@ -90,8 +90,8 @@ def test_a_view_by_name_stays_and_the_key_has_no_empty_lines() -> None:
 def test_joints_that_crush_are_outlined_and_counted() -> None:
     blocks = [ground(8.0), box("one", (0.0, 0.0, 0.0), (0.5, 0.5, 3.0))]
     assembly, joints = joined(blocks, 0.6, {"default": JointLaw(compressive_strength=3e5)})
-    found = analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), Options(starts=0))
-    scene = mechanism_scene(Subject(found.governing.mechanism, blocks, joints), "", "")
+    found = analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), LimitOptions(starts=0))
+    scene = mechanism_scene(LimitSubject(found.governing.mechanism, blocks, joints), "", "")
     assert "crushes: 1 joint" in [sign.text for sign in scene.key[0].signs]
     (outline,) = [layer for layer in scene.layers if isinstance(layer, Lines) and layer.colour == CRUSHED]
     assert len(outline.pairs) == 4

@@ -17,8 +17,8 @@ from reports.drawing.figure import save_polygons
 from reports.drawing.palette import OPENING, SLIDING
 from reports.drawing.parts import Scale, view_named
 from reports.drawing.solids import block_layers, mottled
-from reports.drawing.vector import Planes, hidden_sides, in_order, painting_order
-from reports.maps.crack_map import Subject, crack_scene
+from reports.drawing.vector import FacePlanes, hidden_sides, in_order, painting_order
+from reports.maps.crack_map import MapSubject, crack_scene
 from reports.maps.framing import MapStyle, framing
 from reports.settings import report_of
 
@@ -46,9 +46,9 @@ def order(view: str, blocks: list) -> np.ndarray:
     return painting_order(planes(solids), view_named(view))
 
 
-def planes(solids: Solids) -> Planes:
+def planes(solids: Solids) -> FacePlanes:
     """Those of blocks at rest."""
-    return Planes(block_layers(solids, solids.vertices, np.ones((len(solids.centre), 3)))[0])
+    return FacePlanes(block_layers(solids, solids.vertices, np.ones((len(solids.centre), 3)))[0])
 
 
 @pytest.mark.parametrize("view", ["isometric", "front", "side", "left", "top"])
@@ -81,7 +81,7 @@ def test_where_planes_go_round_in_a_circle_the_farthest_is_painted_first():
 def test_a_side_below_a_stone_that_reaches_over_it_is_hidden(tmp_path):
     with Results.open(run(tmp_path / "result.h5", bonded(), shifted(at_rest(bonded()), 3, (0.01, 0, 0)))) as results:
         scene = crack_scene(results, 1, framing(results, [1], MapStyle(view="isometric")))
-        hidden = np.logical_or(*hidden_sides(scene.joints, Planes(scene.layers[1]), scene.view))
+        hidden = np.logical_or(*hidden_sides(scene.joints, FacePlanes(scene.layers[1]), scene.view))
         joints = results.joints
     joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     middle = (joints.polygon + np.concatenate([np.roll(p, -1, axis=0) for p in np.split(joints.polygon, joints.polygon_start[1:-1])])) / 2
@@ -100,7 +100,7 @@ def test_joints_have_the_colours_of_their_classes_and_files_are_equal_each_time(
         (tmp_path / name).mkdir()
         with Results.open(path) as results:
             assert [file.name for file in save_polygons(scene_of(results), tmp_path / name, "crack_map")] == list(VECTOR)
-            snapshot = Subject.of(results, 1, framing(results, [1], MapStyle())).snapshot
+            snapshot = MapSubject.of(results, 1, framing(results, [1], MapStyle())).snapshot
         texts.append([(tmp_path / name / file).read_bytes() for file in VECTOR])
     assert texts[0] == texts[1]
     assert texts[0][1].startswith(b"%PDF")
@@ -123,7 +123,7 @@ def test_a_cut_shows_caps_and_no_block_before_the_plane(tmp_path):
             save_polygons(scene_of(results, style=MapStyle(view="isometric", cut=cut)), tmp_path, "crack_map")
         fills[cut] = set(re.findall(r"fill: (#\w{6})", (tmp_path / "crack_map.svg").read_text()))
     with Results.open(path) as results:
-        whole = Subject.of(results, 1, framing(results, [1], MapStyle(view="isometric"))).colours
+        whole = MapSubject.of(results, 1, framing(results, [1], MapStyle(view="isometric"))).colours
     right = mottled(whole)[2]
     lit = {colour for colour in fills[""] - fills["x=0.75"] if np.allclose(hue(colour), right / right.max(), atol=0.01)}
     assert lit, "the stone before the plane is gone"

@@ -17,7 +17,7 @@ from masonry_cd.app.case import make_structures
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.case import limit_case
-from masonry_cd.strengthening.design import MARGIN, Strengthening, strengthened
+from masonry_cd.strengthening.design import MARGIN, StrengtheningDesign, strengthened
 from masonry_cd.strengthening.facts import facts
 from structures.tie_lines import by_rule
 
@@ -32,7 +32,7 @@ def tie(height: float, more: str = "", parts: str = "['rock', 'a']") -> str:
     return f"[[strengthen.ties]]\nalong = 'x'\nheight = {height}\nat = [0.0]\nparts = {parts}\n{more}"
 
 
-def made(folder: Path, tables: str, blocks: list | None = None, mu: float = 0.8) -> Strengthening:
+def made(folder: Path, tables: str, blocks: list | None = None, mu: float = 0.8) -> StrengtheningDesign:
     return strengthened(read_scene(scene(folder, blocks or [ground(4.0), ROCK, WALL], tables, mu=mu)))
 
 

@@ -39,7 +39,7 @@ SMALL: dict[str, object] = {
 }
 
 
-def parts_of(**keys: object) -> tuple[church_parts.Church, list[wall_plan.Wall], list[float]]:
+def parts_of(**keys: object) -> tuple[church_parts.Church, list[wall_plan.PlanWall], list[float]]:
     """The measures, walls and beds of a church."""
     made = church_parts.Church.of(church.with_defaults(church.ChurchTable.model_validate(keys)))
     walls = church_parts.walls(made)
@@ -69,14 +69,14 @@ def test_walls_fill_their_union(keys: dict[str, object]) -> None:
     assert volume(blocks, *groups) + arms == pytest.approx(exact, rel=1e-6)
 
 
-def _without_shoulder(wall: wall_plan.Wall) -> list[wall_plan.Wall]:
+def _without_shoulder(wall: wall_plan.PlanWall) -> list[wall_plan.PlanWall]:
     """A wall with shoulders as two walls."""
     if not wall.shoulder:
         return [wall]
     z, a, b = wall.shoulder
-    low = wall_plan.Wall("low", "low", wall.axis, wall.start, wall.end, wall.near, wall.far, wall.foot, z)
-    high = wall_plan.Wall("high", "high", wall.axis, a, b, wall.near, wall.far, z, wall.top, (), wall.gable)
-    holes = wall_plan.Wall("whole", "whole", wall.axis, a, b, wall.near, wall.far, wall.foot, wall.top, wall.openings, wall.gable)
+    low = wall_plan.PlanWall("low", "low", wall.axis, wall.start, wall.end, wall.near, wall.far, wall.foot, z)
+    high = wall_plan.PlanWall("high", "high", wall.axis, a, b, wall.near, wall.far, z, wall.top, (), wall.gable)
+    holes = wall_plan.PlanWall("whole", "whole", wall.axis, a, b, wall.near, wall.far, wall.foot, wall.top, wall.openings, wall.gable)
     return [low, high, holes]
 
 

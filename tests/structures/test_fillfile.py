@@ -16,17 +16,17 @@ import structures
 from loads import fill as fill_loads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
-from structures import Made
+from structures import MadeStructure
 from structures.files import blockfile, fillfile, meshfile
 
 KEYS: dict[str, Any] = {"width": 3.0, "walls": {"thickness": 0.5}, "abutments": [{"rigid": False}], "skew": 20.0}
 
 
-def back(folder: Path, **keys: Any) -> Made:
+def back(folder: Path, **keys: Any) -> MadeStructure:
     return structures.make({"kind": "file", **keys}, 2000.0, folder)
 
 
-def forces(made: Made) -> list[tuple]:
+def forces(made: MadeStructure) -> list[tuple]:
     """Return the action of the fill in a run: the block and the size of each force and bar."""
     assembly = Assembly.from_blocks(made.blocks, 0.6)
     (fill,) = made.fills

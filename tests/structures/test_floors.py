@@ -13,14 +13,14 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 import structures
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import site
 from structures.floors import FloorTable, with_floors
-from structures.ties import Bar
+from structures.ties import PlacedBar
 
 HOUSE = {
     "kind": "tower", "side": 6.0, "side_y": 5.0, "height": 4.0, "thickness": 0.5, "course_height": 0.5, "unit_length": 1.5,
@@ -29,7 +29,7 @@ HOUSE = {
 FLOOR = {"height": 3.0, "thickness": 0.25, "mass": 400.0, "walls": ["south", "north"]}
 
 
-def made(*floors: dict[str, Any], **keys: Any) -> structures.Made:
+def made(*floors: dict[str, Any], **keys: Any) -> structures.MadeStructure:
     return structures.make({**HOUSE, **keys, "floors": list(floors)}, 2000.0, Path())
 
 
@@ -156,7 +156,7 @@ def propped(courses: int, floor: bool) -> list[Block]:
     return with_floors(blocks, [FloorTable.model_validate(table)])[0]
 
 
-def factor_of(blocks: list[Block], towards: float, between: float, bars: Sequence[Bar] = ()) -> float:
+def factor_of(blocks: list[Block], towards: float, between: float, bars: Sequence[PlacedBar] = ()) -> float:
     """The largest push along y; ``between`` is the friction of the floor's own joints."""
     names = [block.name for block in blocks]
     friction = {"default": 2.0} if names[-1] != "floor1" else {"default": 2.0, "block-floor1": between}
@@ -165,7 +165,7 @@ def factor_of(blocks: list[Block], towards: float, between: float, bars: Sequenc
     points = np.array([bar.points for bar in bars]).reshape(-1, 2, 3)
     held = Bars(ends, points, np.array([bar.keys["yield_force"] for bar in bars]))
     loads = push_loads(assembly, (0.0, towards, 0.0), held)
-    return analyse(assembly, joints, loads, Options(starts=0)).associated.factor
+    return analyse(assembly, joints, loads, LimitOptions(starts=0)).associated.factor
 
 
 def by_hinges(bed: float) -> float:
@@ -225,7 +225,7 @@ def test_anchors_hold_a_wall_back_by_their_yield_force(strength):
 OUT_OF_SQUARE = [(0.0, 0.0), (4.0, 0.6), (3.6, 4.2), (-0.5, 3.4)]
 
 
-def out_of_square(**floor: Any) -> structures.Made:
+def out_of_square(**floor: Any) -> structures.MadeStructure:
     walls = [
         {"name": name, "axis": [OUT_OF_SQUARE[k], OUT_OF_SQUARE[(k + 1) % 4]], "thickness": 0.5, "height": 2.4}
         for k, name in enumerate(("a", "b", "c", "d"))

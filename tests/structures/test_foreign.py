@@ -243,7 +243,7 @@ def test_lines_of_an_obj(tmp_path: Path, text: str, message: str, capfd: pytest.
     assert refused(capfd, "bad.obj", mesh, tmp_path, "bad.obj").startswith(message)
 
 
-def same(one: foreign.Answer, other: foreign.Answer) -> bool:
+def same(one: foreign.FileContents, other: foreign.FileContents) -> bool:
     """To the bit."""
     pairs = zip(one[0], other[0], strict=True)
     return list(one[1]) == list(other[1]) and all(
@@ -291,26 +291,26 @@ def test_a_child_imports_no_more_than_it_needs() -> None:
 # Readers that misbehave, found by their names in the child.
 
 
-def crashing(path: Path) -> foreign.Answer:
+def crashing(path: Path) -> foreign.FileContents:
     print("noise")
     os.kill(os.getpid(), 11)
     return [], ()
 
 
-def hungry(path: Path) -> foreign.Answer:
+def hungry(path: Path) -> foreign.FileContents:
     return [(0, "b", np.ones((2**31, 3)), ())], ()  # 48 GiB
 
 
-def flooding(path: Path) -> foreign.Answer:
+def flooding(path: Path) -> foreign.FileContents:
     while True:
         sys.stdout.write("x" * 2**16)
 
 
-def lying(path: Path) -> foreign.Answer:
+def lying(path: Path) -> foreign.FileContents:
     return [(0, "b", np.zeros((3, 3)), ((0, 1, 3),))], ()
 
 
-def ill(path: Path) -> foreign.Answer:
+def ill(path: Path) -> foreign.FileContents:
     raise ValueError("two\nlines \x1b[31m" + "x" * 5000)
 
 

@@ -13,7 +13,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures import KINDS
 from structures.kinds import church, tower, vault, wall
 from structures.macro_elements import MacroElement, macro_elements
-from structures.macro_elements.layout import Layout
+from structures.macro_elements.layout import BlockLayout
 
 CHURCH = {
     "block_length": 1.6, "course_height": 0.65, "length": 18.0, "width": 8.0, "height": 8.0, "thickness": 0.9, "gable": 2.6,
@@ -62,7 +62,7 @@ def test_openings_are_read_from_the_stones_and_part_the_piers() -> None:
         "openings": [{"centre": c, "width": 1.0, "height": 1.5, "sill": 1.0, "head": "lintel"} for c in (-2.0, 2.0)],
     }  # fmt: skip
     blocks = wall.build(table, 1900.0, Path())
-    first, second = Layout.of(blocks).holes("wall")
+    first, second = BlockLayout.of(blocks).holes("wall")
     assert (first.start, first.end, first.sill, first.head) == pytest.approx((-2.5, -1.5, 1.0, 2.5), abs=1e-6)
     assert second.start == pytest.approx(1.5, abs=1e-6)
     found = parts("wall", blocks)

@@ -12,12 +12,12 @@ from bridge_scenes import SPAN, bridge
 from command_line import masonry_cd
 
 from masonry_cd.mechanics.model.blocks import Assembly
-from structures import Made, retaining, site
+from structures import MadeStructure, retaining, site
 
 WALLS: dict[str, Any] = {"thickness": 0.9, "wing_length": 2.0, "course_height": 0.5, "unit_length": 1.0}
 
 
-def walled(friction: float, **keys: Any) -> tuple[Made, dict[str, retaining.Weakest]]:
+def walled(friction: float, **keys: Any) -> tuple[MadeStructure, dict[str, retaining.Weakest]]:
     made, _ = bridge(SPAN, width=4.0, cover=0.5, walls={**WALLS, **keys.pop("walls", {})}, **keys)
     assembly = Assembly.from_blocks(made.blocks, friction)
     return made, {weakest.group: weakest for weakest in retaining.weakest_of(assembly, made.fills[0])}

@@ -17,7 +17,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
-from structures import Made, site
+from structures import MadeStructure, site
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz
 from structures.ties import TieRowTable, ties_of
@@ -27,7 +27,7 @@ WALL = {"kind": "wall", "length": 4.0, "height": 3.0, "course_height": 0.5, "uni
 ROD = {"along": "x", "height": 1.25, "diameter": 0.02}
 
 
-def made(table: dict[str, Any], *ties: dict[str, Any], folder: Path = Path()) -> Made:
+def made(table: dict[str, Any], *ties: dict[str, Any], folder: Path = Path()) -> MadeStructure:
     return structures.make({**table, "ties": list(ties)}, 2000.0, folder)
 
 

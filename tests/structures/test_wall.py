@@ -33,7 +33,7 @@ CASES: dict[str, dict[str, object]] = {
 }
 
 
-def drawn(keys: dict[str, object]) -> tuple[wall_plan.Wall, wall_plan.Sizes]:
+def drawn(keys: dict[str, object]) -> tuple[wall_plan.PlanWall, wall_plan.Sizes]:
     table = wall.WallTable.model_validate(keys)
     return wall.elevation(table), wall_plan.Sizes(table.course_height, table.unit_length or 2.0 * table.course_height)
 

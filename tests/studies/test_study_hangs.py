@@ -18,8 +18,8 @@ from command_line import done
 from studied import GRID, rows_without_seconds, wait_until, write_study
 
 from masonry_cd.analysis.run_row import RunRow
-from masonry_cd.studies.study.clusters import ONE_THREAD, Where, connected
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.clusters import ONE_THREAD, RunPlace, connected
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task
@@ -50,7 +50,7 @@ def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], 
     def task(run: Planned) -> Task:
         return Task(run.name, {}, timeout=1.0, grace=1.0, folder=str(folder))
 
-    Engine(client, task, ended, lambda *_: None, function).execute(Planned(name, Asked(), 1.0) for name in names)
+    Engine(client, task, ended, lambda *_: None, function).execute(Planned(name, DesignedRun(), 1.0) for name in names)
     return rows
 
 
@@ -67,7 +67,7 @@ def test_a_run_that_hangs_is_a_row(scheduler: str, tmp_path: Path) -> None:
 
 
 def test_the_workers_of_this_machine_go_on_after_a_hang(tmp_path: Path) -> None:
-    with connected(Where(workers=1, longest=2.0)) as (client, _):
+    with connected(RunPlace(workers=1, longest=2.0)) as (client, _):
         rows = executed(client, tmp_path, studied.waits_for_ever, "abc")
     assert {name: row.status for name, row in rows.items()} == {"a": "done", "b": "timeout", "c": "done"}
 

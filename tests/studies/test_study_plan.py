@@ -12,7 +12,7 @@ from scipy.stats import lognorm, norm, truncnorm
 from studied import GRID, RECORDS, SCENE, STEP, wave, write_records, write_scene, write_study
 
 from loads.signal.baseline import correct, integrate
-from masonry_cd.analysis.fragility.limits import LimitTable
+from masonry_cd.analysis.fragility.limits import LimitStateTable
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import bound_doubts, scene_of_run
@@ -22,7 +22,7 @@ from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.records import matched
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.study_file import IdaTable
-from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
+from masonry_cd.studies.study.varied import Distribution, KeyCorrelation, Varied
 
 FRICTION = '[vary]\n"material.friction" = {distribution = "lognormal", median = 0.4, beta = 0.15}\n'
 
@@ -257,7 +257,7 @@ def test_quantiles(keys: dict, expected) -> None:
 
 def test_correlated_keys_vary_together() -> None:
     plain = Distribution(distribution="normal", mean=0.0, std=1.0)
-    varied = Varied({}, {"a": plain, "b": plain, "c": plain}, [Correlation(keys=["a", "c"], rho=0.8)])
+    varied = Varied({}, {"a": plain, "b": plain, "c": plain}, [KeyCorrelation(keys=["a", "c"], rho=0.8)])
     random = np.random.default_rng(1)
     drawn = np.array([list(varied.draw(random.random(3)).values()) for _ in range(4000)])
     assert np.allclose(np.corrcoef(drawn.T), [[1, 0, 0.8], [0, 1, 0], [0.8, 0, 1]], atol=0.05)
@@ -378,7 +378,7 @@ def test_a_pattern_of_too_many_brackets_is_refused(tmp_path: Path) -> None:
     ("quantity", "above", "said"), [("max_opening", 5.0, "5 mm"), ("max_opening", 0.005, ""), ("collapsed_blocks", 5, "")]
 )
 def test_a_bound_of_a_limit_state_in_mm_draws_a_line(quantity: str, above: float, said: str) -> None:
-    found = bound_doubts({"cracked": LimitTable(quantity=quantity, above=above)})
+    found = bound_doubts({"cracked": LimitStateTable(quantity=quantity, above=above)})
     assert [line.startswith("limit_states.cracked.above") and said in line for line in found] == [True] * bool(said)
 
 

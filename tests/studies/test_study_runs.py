@@ -20,8 +20,8 @@ from typer.testing import Result
 
 from masonry_cd.analysis.run_row import RunRow
 from masonry_cd.io.results import Results
-from masonry_cd.studies.study.clusters import ONE_THREAD, Where
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.clusters import ONE_THREAD, RunPlace
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task
@@ -284,8 +284,10 @@ def test_a_study_without_workers_ends_after_a_while(tmp_path: Path) -> None:
         task = Task("a", {}, 1.0, folder=str(tmp_path))
         engine = Engine(client, lambda _: task, lambda *_: [], lambda *_: None, studied.stub, patience=0.5)
         with pytest.raises(ClusterLost, match="no worker has been there for "):
-            engine.execute([Planned("a", Asked(), 1.0)])
-    assert Where(workers=2).patience < math.inf == Where(scheduler="tcp://10.0.0.1:8786").patience == Where(slurm=tmp_path).patience
+            engine.execute([Planned("a", DesignedRun(), 1.0)])
+    assert (
+        RunPlace(workers=2).patience < math.inf == RunPlace(scheduler="tcp://10.0.0.1:8786").patience == RunPlace(slurm=tmp_path).patience
+    )
 
 
 def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, RunRow]:
@@ -296,11 +298,11 @@ def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], 
 
     def ended(run: Planned, outcome: Outcome) -> list[Planned]:
         rows[run.name] = outcome.row
-        return [Planned("followed", Asked(), 1.0)] if run.name == "a" else []
+        return [Planned("followed", DesignedRun(), 1.0)] if run.name == "a" else []
 
     with Client(scheduler, set_as_default=False) as client:
         engine = Engine(client, lambda run: Task(run.name, {}, 1.0, folder=str(folder)), ended, lambda *_: None, function)
-        engine.execute(Planned(name, Asked(), 1.0) for name in names)
+        engine.execute(Planned(name, DesignedRun(), 1.0) for name in names)
     return rows
 
 

@@ -20,21 +20,21 @@ from typing import Annotated
 
 from loads.motion import Positive
 from loads.signal.spectra.kind import ORDINATE, Fact, SiteKeys, SpectrumKind, in_proportion
-from loads.signal.spectra.shape import PEAK, CodeSpectrum, Quantity, common_rows
+from loads.signal.spectra.shape import PEAK, CodeQuantity, CodeSpectrum, common_rows
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Unit
 
 START, PLATEAU = 0.4, 2.5  # of S_DS at T = 0, and one over it
 CLAUSE = "ASCE 7-16, 11.4.6"
 ROWS = {
-    "SDS": Quantity("m/s2", CLAUSE, "plateau, site coefficient included"),
-    "SD1": Quantity("m/s2", CLAUSE, "ordinate at 1 s, site coefficient included"),
-    "ag": Quantity("m/s2", CLAUSE, "ordinate at T = 0", f"{START:g} SDS"),
-    "F0": Quantity("", CLAUSE, "the plateau over it"),
-    "TB": Quantity("s", CLAUSE, "T_0, where the plateau begins", "0.2 SD1 / SDS"),
-    "TC": Quantity("s", CLAUSE, "T_S, where it ends", "SD1 / SDS"),
-    "TD": Quantity("s", CLAUSE, "T_L, where constant displacements begin"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "ag"),
+    "SDS": CodeQuantity("m/s2", CLAUSE, "plateau, site coefficient included"),
+    "SD1": CodeQuantity("m/s2", CLAUSE, "ordinate at 1 s, site coefficient included"),
+    "ag": CodeQuantity("m/s2", CLAUSE, "ordinate at T = 0", f"{START:g} SDS"),
+    "F0": CodeQuantity("", CLAUSE, "the plateau over it"),
+    "TB": CodeQuantity("s", CLAUSE, "T_0, where the plateau begins", "0.2 SD1 / SDS"),
+    "TC": CodeQuantity("s", CLAUSE, "T_S, where it ends", "SD1 / SDS"),
+    "TD": CodeQuantity("s", CLAUSE, "T_L, where constant displacements begin"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "ag"),
 } | common_rows(CLAUSE)
 
 

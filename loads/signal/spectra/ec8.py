@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from loads.signal.spectra.kind import Fact, SiteKeys, SpectrumKind, ag_and_ground, by_ag
-from loads.signal.spectra.shape import LONG_PERIODS, PEAK, VERTICAL_PERIODS, CodeSpectrum, Quantity, common_rows
+from loads.signal.spectra.shape import LONG_PERIODS, PEAK, VERTICAL_PERIODS, CodeQuantity, CodeSpectrum, common_rows
 
 LEVEL = {  # type of spectrum, ground: S, T_B, T_C, T_D
     (1, "A"): (1.0, 0.15, 0.4, 2.0),
@@ -28,13 +28,13 @@ LEVEL = {  # type of spectrum, ground: S, T_B, T_C, T_D
 VERTICAL = {1: 0.90, 2: 0.45}  # avg / ag
 CLAUSE = "EN 1998-1, 3.2.2.2"
 ROWS = {
-    "ag": Quantity("m/s2", CLAUSE, "peak acceleration on rock"),
-    "S": Quantity("", CLAUSE, "soil factor, tables 3.2 and 3.3"),
-    "TB": Quantity("s", CLAUSE, "where the plateau begins"),
-    "TC": Quantity("s", CLAUSE, "where it ends"),
-    "TD": Quantity("s", CLAUSE, "where constant displacements begin"),
-    "F0": Quantity("", CLAUSE, "amplification of the plateau"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "S ag"),
+    "ag": CodeQuantity("m/s2", CLAUSE, "peak acceleration on rock"),
+    "S": CodeQuantity("", CLAUSE, "soil factor, tables 3.2 and 3.3"),
+    "TB": CodeQuantity("s", CLAUSE, "where the plateau begins"),
+    "TC": CodeQuantity("s", CLAUSE, "where it ends"),
+    "TD": CodeQuantity("s", CLAUSE, "where constant displacements begin"),
+    "F0": CodeQuantity("", CLAUSE, "amplification of the plateau"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "S ag"),
 } | common_rows(CLAUSE)
 
 

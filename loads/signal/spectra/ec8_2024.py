@@ -19,7 +19,7 @@ from typing import Annotated
 
 from loads.motion import STANDARD_GRAVITY, Positive
 from loads.signal.spectra.kind import ORDINATE, Fact, SiteKeys, SpectrumKind, in_proportion
-from loads.signal.spectra.shape import PEAK, CodeSpectrum, Quantity, common_rows
+from loads.signal.spectra.shape import PEAK, CodeQuantity, CodeSpectrum, common_rows
 from masonry_cd.foundation.units import Unit
 
 FLAT, PLATEAU, WIDTH, NARROWEST, WIDEST = 0.02, 2.5, 4.0, 0.05, 0.1  # T_A [s], F_A, T_C / T_B, bounds of T_B [s]
@@ -31,19 +31,19 @@ SITE = {  # F_alpha = f (1 - s S_alpha,RP / g) and F_beta in the same way: f, s 
 }
 CLAUSE = "EN 1998-1-1:2024, 5.2.2.2"
 ROWS = {
-    "Salpha,RP": Quantity("m/s2", CLAUSE, "plateau on site category A"),
-    "Sbeta,RP": Quantity("m/s2", CLAUSE, "ordinate at 1 s on site category A"),
-    "F0": Quantity("", CLAUSE, "F_A, the plateau over the peak of the ground"),
-    "ag": Quantity("m/s2", CLAUSE, "peak acceleration on site category A", "Salpha,RP / F0"),
-    "Falpha": Quantity("", CLAUSE, "site amplification of the plateau"),
-    "Fbeta": Quantity("", CLAUSE, "site amplification at 1 s"),
-    "Salpha": Quantity("m/s2", CLAUSE, "plateau", "Falpha Salpha,RP"),
-    "Sbeta": Quantity("m/s2", CLAUSE, "ordinate at 1 s", "Fbeta Sbeta,RP"),
-    "TA": Quantity("s", CLAUSE, "up to which the ordinate is the peak of the ground"),
-    "TC": Quantity("s", CLAUSE, "where the plateau ends", "Sbeta / Salpha"),
-    "TB": Quantity("s", CLAUSE, "where it begins", f"min(max(TC / {WIDTH:g}, {NARROWEST:g}), {WIDEST:g})"),
-    "TD": Quantity("s", CLAUSE, "where constant displacements begin", "max(2, 1 + Sbeta,RP)"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "Salpha / F0"),
+    "Salpha,RP": CodeQuantity("m/s2", CLAUSE, "plateau on site category A"),
+    "Sbeta,RP": CodeQuantity("m/s2", CLAUSE, "ordinate at 1 s on site category A"),
+    "F0": CodeQuantity("", CLAUSE, "F_A, the plateau over the peak of the ground"),
+    "ag": CodeQuantity("m/s2", CLAUSE, "peak acceleration on site category A", "Salpha,RP / F0"),
+    "Falpha": CodeQuantity("", CLAUSE, "site amplification of the plateau"),
+    "Fbeta": CodeQuantity("", CLAUSE, "site amplification at 1 s"),
+    "Salpha": CodeQuantity("m/s2", CLAUSE, "plateau", "Falpha Salpha,RP"),
+    "Sbeta": CodeQuantity("m/s2", CLAUSE, "ordinate at 1 s", "Fbeta Sbeta,RP"),
+    "TA": CodeQuantity("s", CLAUSE, "up to which the ordinate is the peak of the ground"),
+    "TC": CodeQuantity("s", CLAUSE, "where the plateau ends", "Sbeta / Salpha"),
+    "TB": CodeQuantity("s", CLAUSE, "where it begins", f"min(max(TC / {WIDTH:g}, {NARROWEST:g}), {WIDEST:g})"),
+    "TD": CodeQuantity("s", CLAUSE, "where constant displacements begin", "max(2, 1 + Sbeta,RP)"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "Salpha / F0"),
 } | common_rows(CLAUSE)
 
 

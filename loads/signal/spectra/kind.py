@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, BeforeValidator, Field
 
 from loads.motion import Positive, strict
-from loads.signal.spectra.shape import ElasticSpectrum, Quantity
+from loads.signal.spectra.shape import CodeQuantity, ElasticSpectrum
 from masonry_cd.foundation.extensions import Entries
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.usual import ACCELERATIONS
@@ -58,7 +58,7 @@ class SpectrumKind:
     keys: type[SiteKeys]
     needs: tuple[str, ...]
     make: Callable[[Any, bool, float], ElasticSpectrum]  # of keys; vertical or level; gravity of the formulas [m/s2]
-    rows: Mapping[str, Quantity]  # of the steps of a check
+    rows: Mapping[str, CodeQuantity]  # of the steps of a check
     facts: Callable[[Any, Any], Iterator[Fact]]  # the first of these steps, of keys and spectrum
     size: Callable[[Any, Any], float]  # ag, of keys and spectrum [m/s2]
     grown: Callable[[Any, float, float], Any]  # the keys of another ag, of the one that they have and of that one [m/s2]

@@ -14,7 +14,7 @@ import numpy as np
 
 from loads.motion import STANDARD_GRAVITY, Positive
 from loads.signal.spectra.kind import Fact, SiteKeys, SpectrumKind, ag_and_ground, by_ag
-from loads.signal.spectra.shape import LONG_PERIODS, PEAK, VERTICAL_PERIODS, CodeSpectrum, Quantity, common_rows
+from loads.signal.spectra.shape import LONG_PERIODS, PEAK, VERTICAL_PERIODS, CodeQuantity, CodeSpectrum, common_rows
 from masonry_cd.foundation.fields import Span
 from masonry_cd.foundation.units import Usual
 
@@ -29,17 +29,17 @@ PERIOD = {"A": (1.0, 0.0), "B": (1.1, -0.20), "C": (1.05, -0.33), "D": (1.25, -0
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # ST (table 3.2.V)
 CLAUSE = "NTC 2018, 3.2.3.2"
 ROWS = {
-    "ag": Quantity("m/s2", "NTC 2018, 3.2", "peak acceleration on rock, of site and limit state"),
-    "F0": Quantity("", "NTC 2018, 3.2", "largest amplification, of site and limit state"),
-    "TC*": Quantity("s", "NTC 2018, 3.2", "where constant velocities begin on rock, of site and limit state"),
-    "SS": Quantity("", "NTC 2018, table 3.2.IV", "soil factor"),
-    "ST": Quantity("", "NTC 2018, table 3.2.V", "factor of topography"),
-    "S": Quantity("", CLAUSE, "both", "SS ST"),
-    "CC": Quantity("", "NTC 2018, table 3.2.IV", "by which the soil stretches TC*"),
-    "TC": Quantity("s", CLAUSE, "where the plateau ends", "CC TC*"),
-    "TB": Quantity("s", CLAUSE, "where it begins", "TC / 3"),
-    "TD": Quantity("s", CLAUSE, "where constant displacements begin", "4 ag / g + 1.6"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "S ag"),
+    "ag": CodeQuantity("m/s2", "NTC 2018, 3.2", "peak acceleration on rock, of site and limit state"),
+    "F0": CodeQuantity("", "NTC 2018, 3.2", "largest amplification, of site and limit state"),
+    "TC*": CodeQuantity("s", "NTC 2018, 3.2", "where constant velocities begin on rock, of site and limit state"),
+    "SS": CodeQuantity("", "NTC 2018, table 3.2.IV", "soil factor"),
+    "ST": CodeQuantity("", "NTC 2018, table 3.2.V", "factor of topography"),
+    "S": CodeQuantity("", CLAUSE, "both", "SS ST"),
+    "CC": CodeQuantity("", "NTC 2018, table 3.2.IV", "by which the soil stretches TC*"),
+    "TC": CodeQuantity("s", CLAUSE, "where the plateau ends", "CC TC*"),
+    "TB": CodeQuantity("s", CLAUSE, "where it begins", "TC / 3"),
+    "TD": CodeQuantity("s", CLAUSE, "where constant displacements begin", "4 ag / g + 1.6"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "S ag"),
 } | common_rows(CLAUSE)
 
 

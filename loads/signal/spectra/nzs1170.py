@@ -27,7 +27,7 @@ from pydantic import Field
 
 from loads.motion import Positive
 from loads.signal.spectra.kind import Fact, SiteKeys, SpectrumKind, in_proportion
-from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, ElasticSpectrum, Quantity, common_rows, damping_factor
+from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, CodeQuantity, ElasticSpectrum, common_rows, damping_factor
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.units import Unit
 
@@ -43,11 +43,11 @@ NEAREST, FURTHEST, FREQUENT = 2e3, 2e4, 0.75  # D [m] of N_max and of 1; R up to
 NEAR = ((1.5, 2.0, 3.0, 4.0, 5.0), (1.0, 1.12, 1.36, 1.60, 1.72))  # T [s], N_max
 CLAUSE = "NZS 1170.5, 3.1"
 ROWS = {
-    "Z": Quantity("", CLAUSE, "hazard factor"),
-    "R": Quantity("", CLAUSE, "return period factor"),
-    "ag": Quantity("m/s2", CLAUSE, "peak acceleration on rock", "Z R g"),
-    "S": Quantity("", CLAUSE, "shape factor at T = 0"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "S ag"),
+    "Z": CodeQuantity("", CLAUSE, "hazard factor"),
+    "R": CodeQuantity("", CLAUSE, "return period factor"),
+    "ag": CodeQuantity("m/s2", CLAUSE, "peak acceleration on rock", "Z R g"),
+    "S": CodeQuantity("", CLAUSE, "shape factor at T = 0"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "S ag"),
 } | common_rows(CLAUSE)
 
 

@@ -28,7 +28,7 @@ VERTICAL_PERIODS = (0.05, 0.15, 1.0)  # T_B, T_C, T_D of EC8 and NTC
 PEAK = "peak acceleration of the ground"
 
 
-class Quantity(NamedTuple):
+class CodeQuantity(NamedTuple):
     """A row of a code's table: what a symbol stands for."""
 
     unit: str
@@ -37,13 +37,13 @@ class Quantity(NamedTuple):
     formula: str = ""  # in symbols of earlier values; empty of what is given, or read from a curve
 
 
-def common_rows(clause: str) -> dict[str, Quantity]:
+def common_rows(clause: str) -> dict[str, CodeQuantity]:
     """The quantities that all spectra have, with the clause of a code."""
     return {
-        "Se(T)": Quantity("m/s2", clause, "elastic spectrum at that period"),
-        "eta": Quantity("", clause, "what the damping makes of the spectrum", "max(0.55, sqrt(10 / (5 + 100 xi)))"),
-        "TE": Quantity("s", clause, "from which displacements fall"),
-        "TF": Quantity("s", clause, "from which they are that of the ground"),
+        "Se(T)": CodeQuantity("m/s2", clause, "elastic spectrum at that period"),
+        "eta": CodeQuantity("", clause, "what the damping makes of the spectrum", "max(0.55, sqrt(10 / (5 + 100 xi)))"),
+        "TE": CodeQuantity("s", clause, "from which displacements fall"),
+        "TF": CodeQuantity("s", clause, "from which they are that of the ground"),
     }
 
 

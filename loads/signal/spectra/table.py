@@ -25,7 +25,7 @@ from loads.readers.fields import decimal, delimiter_of, split
 from loads.readers.source import Source
 from loads.readers.units import ACCELERATION, TIME, acceleration_unit, split_heading
 from loads.signal.spectra.kind import Fact, SiteKeys, SpectrumKind
-from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, ElasticSpectrum, Quantity, common_rows, damping_factor
+from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, CodeQuantity, ElasticSpectrum, common_rows, damping_factor
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Numbers, is_number
@@ -33,8 +33,8 @@ from masonry_cd.foundation.units import Unit
 
 CLAUSE = "table"
 ROWS = {
-    "ag": Quantity("m/s2", CLAUSE, "its ordinate at T = 0"),
-    "ag S": Quantity("m/s2", CLAUSE, PEAK, "ag"),
+    "ag": CodeQuantity("m/s2", CLAUSE, "its ordinate at T = 0"),
+    "ag S": CodeQuantity("m/s2", CLAUSE, PEAK, "ag"),
 } | common_rows(CLAUSE)
 PER_CENT = re.compile(r"(\d+(?:[.,]\d+)?)\s*%")  # of a heading: the damping of its column
 MOST_DAMPED = 0.5

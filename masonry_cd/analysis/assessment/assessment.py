@@ -36,7 +36,7 @@ FELT = 0.05  # share of the base case below which a difference is none to an eng
 WHOLE = 1.0  # of grades and counts of blocks
 
 
-class Answer(NamedTuple):
+class AssessedNumber(NamedTuple):
     """A number that a run answers with."""
 
     key: str  # column
@@ -46,7 +46,7 @@ class Answer(NamedTuple):
     whole: bool = False  # a grade or a count
 
 
-ANSWERS = tuple(Answer(key, one.name, *one.shown, one.whole) for key, one in numbers_in(ANSWER).items())
+ANSWERS = tuple(AssessedNumber(key, one.name, *one.shown, one.whole) for key, one in numbers_in(ANSWER).items())
 DISPLACEMENT, GRADE, FACTOR = (
     next(one for one in ANSWERS if one.key == key) for key in ("displacement_max", "grade_number", "load_factor")
 )
@@ -68,7 +68,7 @@ class Member:
         """Return True if steps missed the tolerance."""
         return bool(self.row.number("steps_missed"))
 
-    def of(self, answer: Answer) -> float:
+    def of(self, answer: AssessedNumber) -> float:
         """An answer; nan where there is none."""
         value = self.row.number(answer.key) if self.row.done else None
         return float("nan") if value is None else float(value)
@@ -80,7 +80,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownAssumption:
     """An assumption: what the scene says of it, and the names of its other levels."""
 
     name: str
@@ -92,7 +92,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Bar:
+class AssumptionEffect:
     """The effect of an assumption on an answer."""
 
     low: float
@@ -113,7 +113,7 @@ class Assessment:
 
     title: str
     scene: str
-    assumptions: tuple[Known, ...]
+    assumptions: tuple[KnownAssumption, ...]
     left_out: tuple[tuple[str, str], ...]  # names and why
     members: tuple[Member, ...]
     program: str = ""  # its version
@@ -121,7 +121,7 @@ class Assessment:
     sampled: tuple[Member, ...] = ()  # these runs
 
     @cached_property
-    def indices(self) -> dict[Answer, Indices]:
+    def indices(self) -> dict[AssessedNumber, Indices]:
         """Sobol indices of each answer, where all unknowns were varied at once; empty where they were not."""
         out, u = {}, np.array([one.at for one in self.sampled])
         for answer in self.answers if self.sampled else ():
@@ -140,7 +140,7 @@ class Assessment:
         return [one for one in self.members if one.kind in (BASE, ENSEMBLE)]
 
     @cached_property
-    def answers(self) -> list[Answer]:
+    def answers(self) -> list[AssessedNumber]:
         """Those that the base case has, but for numbers of blocks where none falls in any run."""
         found = [one for one in ANSWERS if np.isfinite(self.base.of(one))]
         return [one for one in found if one.key != "collapsed_blocks" or any(member.of(one) > 0 for member in self.members)]
@@ -149,25 +149,25 @@ class Assessment:
         """The run of a level by itself."""
         return next((one for one in self.members if one.kind == LEVEL and dict(one.values) == {assumption: level}), None)
 
-    def chance(self, answer: Answer) -> tuple[float, float]:
+    def chance(self, answer: AssessedNumber) -> tuple[float, float]:
         """The range of an answer over the ensemble."""
         values = self._of(self.ensemble, answer)
         return (float(values.min()), float(values.max())) if len(values) > 1 else (np.nan, np.nan)
 
-    def range(self, answer: Answer, kinds: Sequence[str] = (BASE, ENSEMBLE, LEVEL, PAIR)) -> tuple[float, float]:
+    def range(self, answer: AssessedNumber, kinds: Sequence[str] = (BASE, ENSEMBLE, LEVEL, PAIR)) -> tuple[float, float]:
         """The range of an answer over all runs that are no coarser than the base case."""
         coarser = {(known.name, level) for known in self.assumptions for level in known.coarser}
         values = self._of([one for one in self.members if one.kind in kinds and coarser.isdisjoint(one.values.items())], answer)
         return (float(values.min()), float(values.max())) if len(values) else (np.nan, np.nan)
 
-    def by_chance(self, answer: Answer, runs: int) -> float:
+    def by_chance(self, answer: AssessedNumber, runs: int) -> float:
         """How far a given number of runs spread by chance alone, in 19 of 20 cases."""
         values = self._of(self.ensemble, answer)
         if len(values) < LEAST or runs < 2:
             return 0.0
         return _quantile(runs, len(values) - 1) * float(values.std(ddof=1))
 
-    def bar(self, assumption: Known, answer: Answer) -> Bar:
+    def bar(self, assumption: KnownAssumption, answer: AssessedNumber) -> AssumptionEffect:
         """Return the effect of an assumption on an answer."""
         reference = self.base if not assumption.reference else self.level(assumption.name, assumption.reference)
         at = np.nan if reference is None else reference.of(answer)
@@ -176,47 +176,47 @@ class Assessment:
         values = tuple((name, member.of(answer)) for name, member in found if member is not None and np.isfinite(member.of(answer)))
         every = np.array([at, *(value for _, value in values)])
         if not np.isfinite(at) or not values:
-            return Bar(np.nan, np.nan, at, values, False)
-        bar = Bar(float(every.min()), float(every.max()), at, values, False)
+            return AssumptionEffect(np.nan, np.nan, at, values, False)
+        bar = AssumptionEffect(float(every.min()), float(every.max()), at, values, False)
         felt = WHOLE if answer.whole else FELT * abs(at)
         shows = bar.length > self.by_chance(answer, len(every)) and bar.length >= felt and bar.length > 0.0
-        return Bar(bar.low, bar.high, at, values, shows)
+        return AssumptionEffect(bar.low, bar.high, at, values, shows)
 
     def bars(self) -> dict[str, dict[str, dict[str, Any]]]:
         """The bars by assumption, the weightiest first, and by answer, with what chance alone spans."""
         return {one.name: {answer.key: self._bar_as_dict(one, answer) for answer in self.answers} for one in self.ranked}
 
-    def _bar_as_dict(self, one: Known, answer: Answer) -> dict[str, Any]:
+    def _bar_as_dict(self, one: KnownAssumption, answer: AssessedNumber) -> dict[str, Any]:
         bar = self.bar(one, answer)
         chance = self.by_chance(answer, 1 + len(bar.values))
         return {"low": bar.low, "high": bar.high, "reference": bar.reference, "by_chance": chance, "shows": bar.shows}
 
-    def share(self, assumption: Known, answer: Answer) -> float:
+    def share(self, assumption: KnownAssumption, answer: AssessedNumber) -> float:
         """The length of a bar over the range of all single runs."""
         low, high = self.range(answer, (BASE, ENSEMBLE, LEVEL))
         return self.bar(assumption, answer).length / (high - low) if high > low else 0.0
 
-    def weight(self, assumption: Known) -> float:
+    def weight(self, assumption: KnownAssumption) -> float:
         """Mean share over the answers of those bars that show: what assumptions are ranked by."""
         shares = [self.share(assumption, answer) * self.bar(assumption, answer).shows for answer in self.answers]
         return float(np.mean(shares)) if shares else 0.0
 
     @cached_property
-    def ranked(self) -> list[Known]:
+    def ranked(self) -> list[KnownAssumption]:
         """The assumptions, the weightiest first."""
         every = {one: (self.weight(one), np.mean([self.share(one, a) for a in self.answers] or [0.0])) for one in self.assumptions}
         return sorted(every, key=lambda one: every[one], reverse=True)
 
     @cached_property
-    def deciding(self) -> list[Known]:
+    def deciding(self) -> list[KnownAssumption]:
         """Assumptions whose bars show in some answer, the weightiest first."""
         return [one for one in self.ranked if self.weight(one) > 0.0]
 
-    def tested(self, assumption: Known) -> bool:
+    def tested(self, assumption: KnownAssumption) -> bool:
         """Return True if some level of an assumption is data."""
         return any(self.bar(assumption, answer).values for answer in self.answers)
 
-    def interactions(self, answer: Answer) -> list[tuple[Member, float]]:
+    def interactions(self, answer: AssessedNumber) -> list[tuple[Member, float]]:
         """Return each pair with the distance of its answer from the sum of what its two levels do alone, the farthest first."""
         found = []
         for pair in (one for one in self.members if one.kind == PAIR):
@@ -243,7 +243,7 @@ class Assessment:
         )
 
     @staticmethod
-    def _of(members: Sequence[Member], answer: Answer) -> np.ndarray:
+    def _of(members: Sequence[Member], answer: AssessedNumber) -> np.ndarray:
         values = np.array([one.of(answer) for one in members])
         return values[np.isfinite(values)]
 
@@ -260,7 +260,8 @@ def read_assessment(folder: Path) -> Assessment:
     try:
         facts = json.loads(read_text(file))
         known = tuple(
-            Known(**{**one, "levels": tuple(one["levels"]), "coarser": tuple(one.get("coarser", ()))}) for one in facts["assumptions"]
+            KnownAssumption(**{**one, "levels": tuple(one["levels"]), "coarser": tuple(one.get("coarser", ()))})
+            for one in facts["assumptions"]
         )
         members, sampled = (tuple(_member(one) for one in facts.get(key, ())) for key in ("members", "sampled"))
         unknowns = tuple(Unknown(one["name"], one["span"], tuple(one["choices"])) for one in facts.get("unknowns", ()))

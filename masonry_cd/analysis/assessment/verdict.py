@@ -7,7 +7,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.analysis.assessment.assessment import BASE, ENSEMBLE, FACTOR, GRADE, LEVEL, UNSETTLED, Answer, Assessment, Known, Member
+from masonry_cd.analysis.assessment.assessment import (
+    BASE,
+    ENSEMBLE,
+    FACTOR,
+    GRADE,
+    LEVEL,
+    UNSETTLED,
+    AssessedNumber,
+    Assessment,
+    KnownAssumption,
+    Member,
+)
 from masonry_cd.analysis.assessment.indices import LARGEST_ERROR, Indices
 from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.verdict import ENOUGH
@@ -71,7 +82,7 @@ def on_the_whole(found: Assessment) -> Verdict:
     return Verdict(_range(found), "", "", GOOD, "; ".join(others) or "nothing that was varied changes it", "")
 
 
-def to_pin_down(found: Assessment) -> list[Known]:
+def to_pin_down(found: Assessment) -> list[KnownAssumption]:
     """Assumptions on the structure that show, the weightiest first."""
     return [one for one in found.deciding if not one.numerical]
 
@@ -121,7 +132,7 @@ def place_of(member: Member) -> str:
     return ", ".join(f"{name} {level}" for name, level in member.values.items())
 
 
-def shown(answer: Answer, value: float) -> str:
+def shown(answer: AssessedNumber, value: float) -> str:
     """A value with three digits, in its unit."""
     if not np.isfinite(value):
         return ""
@@ -132,7 +143,7 @@ def shown(answer: Answer, value: float) -> str:
     return f"{answer.factor * value:.3g}" if abs(answer.factor * value) >= NOTHING else "0"
 
 
-def between(answer: Answer, low: float, high: float) -> str:
+def between(answer: AssessedNumber, low: float, high: float) -> str:
     """``92 to 239 mm``."""
     a, b = shown(answer, low), shown(answer, high)
     unit = f" {answer.unit}" if answer.unit else ""
@@ -165,7 +176,7 @@ def _doubt(member: Member) -> str:
     return f" ({member.row.doubt})" if member.row.doubt else ""
 
 
-def _pin_line(found: Assessment, one: Known, place: int) -> str:
+def _pin_line(found: Assessment, one: KnownAssumption, place: int) -> str:
     """``pin down 1: joint stiffness: largest displacement 92 to 239 mm (base case 92, chance 88 to 96)``."""
     bars = [(answer, found.bar(one, answer)) for answer in found.answers]
     said = []
@@ -215,7 +226,7 @@ def error_in_words(one: Indices) -> str:
     return f"the surrogate misses runs left out by {100 * one.error:.0f} % of their spread (limit {100 * LARGEST_ERROR:.0f} %)"
 
 
-def _named(known: Sequence[Known]) -> str:
+def _named(known: Sequence[KnownAssumption]) -> str:
     """Names with commas and an "and"."""
     return " and ".join(filter(None, [", ".join(one.name for one in known[:-1]), *(one.name for one in known[-1:])]))
 

@@ -9,25 +9,25 @@ from functools import partial
 
 from masonry_cd.analysis.code_check.borne import Borne, just_borne
 from masonry_cd.analysis.code_check.ground import CodeGround, Ground
-from masonry_cd.analysis.code_check.level import Level
+from masonry_cd.analysis.code_check.level import HeldLevel
 from masonry_cd.analysis.code_check.site import BORNE, HAZARD, RISK, period_steps, with_site
 from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Step
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH
-from masonry_cd.analysis.hazard.curve import Hazard, Row
+from masonry_cd.analysis.hazard.curve import Hazard, HazardRow
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 ZETA = "NTC 2018, 8.3"
 
 
-def check_at(table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground, doubt: str = NO_SEARCH) -> CodeCheck:
+def check_at(table: CheckTable, level: HeldLevel, oscillator: Oscillator, ground: Ground, doubt: str = NO_SEARCH) -> CodeCheck:
     """Check a mechanism that is held at a level; "satisfied" does not follow where there is a ``doubt``, or one of its level."""
     made = _checked(table.at(level.counted), oscillator, ground, level.doubt or doubt)
     own = Step("z", level.height, "m", table.by.height, level.words, part=BUILDING)
     return replace(made, steps=(own, *(step for step in made.steps if step.symbol != own.symbol)), level=level)
 
 
-def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Oscillator, ground: Ground) -> CodeCheck:
+def with_borne(made: CodeCheck, table: CheckTable, level: HeldLevel, oscillator: Oscillator, ground: Ground) -> CodeCheck:
     """A check with the acceleration of the ground that each of its verdicts just meets, a search of some twenty checks, and its steps.
 
     Where the hazard of the site is known, with its return period and the class of risk.
@@ -40,7 +40,7 @@ def with_borne(made: CodeCheck, table: CheckTable, level: Level, oscillator: Osc
     if hazard is None:
         return made
 
-    def search(state: str, row: Row) -> Sequence[Borne]:
+    def search(state: str, row: HazardRow) -> Sequence[Borne]:
         of_row = {"ag": row.intensity, "f0": row.f0, "tc_star": row.tc_star}
         other = table.model_copy(update={"limit_state": state} | {key: value for key, value in of_row.items() if value is not None})
         if state not in table.by.limit_states or (state == "SLC" and not other.by_displacements):

@@ -19,7 +19,7 @@ from loads.motion import STANDARD_GRAVITY
 from loads.signal.accelerogram import Processed, process
 from loads.signal.code_spectrum import SiteSpectrum
 from loads.signal.response import response_spectrum
-from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, ElasticSpectrum, Quantity, common_rows, damping_factor
+from loads.signal.spectra.shape import PEAK, USUAL_DAMPING, CodeQuantity, ElasticSpectrum, common_rows, damping_factor
 from loads.signal.spectra.table import beyond
 from masonry_cd.analysis.code_check.steps import GROUND, Working
 from masonry_cd.analysis.code_check.table import CheckRecord, CheckTable
@@ -31,8 +31,8 @@ PERIODS = 200  # at which the spectrum of a record is looked at
 SHORTEST = 0.02  # [s]
 NO_STEP = 0.0  # there is no run whose time step a record could be resampled to
 RECORD_ROWS = {
-    "ag S": Quantity("m/s2", "record", PEAK),
-    "Se(T)": Quantity("m/s2", "record", "response spectrum at that period"),
+    "ag S": CodeQuantity("m/s2", "record", PEAK),
+    "Se(T)": CodeQuantity("m/s2", "record", "response spectrum at that period"),
     "eta": common_rows("NTC 2018, 3.2.3.2")["eta"],
 }
 
@@ -56,7 +56,7 @@ class CodeGround:
         return f"{self.site.spectrum} spectrum{self.site.of_kind.words(self.site)}"
 
     @property
-    def rows(self) -> Mapping[str, Quantity]:
+    def rows(self) -> Mapping[str, CodeQuantity]:
         """Those of the kind of spectrum."""
         return self.site.of_kind.rows
 
@@ -138,7 +138,7 @@ class RecordGround:
     words: str
     scale: float = 1.0  # of the samples
     known: dict[tuple[float, ...], float] = field(default_factory=dict)  # what spectra of the samples were found to be
-    rows: Mapping[str, Quantity] = field(default_factory=lambda: RECORD_ROWS)
+    rows: Mapping[str, CodeQuantity] = field(default_factory=lambda: RECORD_ROWS)
     longest: float = math.inf  # period up to which its spectrum is known [s]
 
     @property

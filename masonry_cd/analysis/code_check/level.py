@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Level:
+class HeldLevel:
     """The height at which a mechanism is held, and whose motion is asked for there."""
 
     line: float  # z of the centroid of the lines that constrain it [m]
@@ -54,7 +54,7 @@ def foundation_of(table: CheckTable | None, assembly: Assembly) -> float:
     return table.foundation
 
 
-def level_of(table: CheckTable, line: float, foundation: float) -> Level:
+def level_of(table: CheckTable, line: float, foundation: float) -> HeldLevel:
     """The level of a mechanism whose constraint lines have their centroid at a z [m]."""
     own = max(line - foundation, 0.0)
     height, doubt = max(own, table.height), ""
@@ -66,4 +66,4 @@ def level_of(table: CheckTable, line: float, foundation: float) -> Level:
         doubt = f"held {own:.3g} m above the lowest block: {keys}"
     raised = table.building and (height > ON_THE_GROUND or table.height)
     by = "limit.check.height" if height > own else f"z = {foundation:.4g} m{', the lowest block' if table.foundation is None else ''}"
-    return Level(line, height, by, height if raised else 0.0, doubt)
+    return HeldLevel(line, height, by, height if raised else 0.0, doubt)

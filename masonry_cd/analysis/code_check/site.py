@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from masonry_cd.analysis.code_check.borne import Borne
 from masonry_cd.analysis.code_check.steps import CodeCheck, Step
 from masonry_cd.analysis.code_check.verdicts import how_grave
-from masonry_cd.analysis.hazard.curve import Hazard, Row
+from masonry_cd.analysis.hazard.curve import Hazard, HazardRow
 from masonry_cd.analysis.hazard.life import PROBABILITY, USE
 from masonry_cd.analysis.hazard.risk import COST, GUIDELINE, Risk, capacity_of, frequencies, risk_of
 from masonry_cd.foundation.errors import InputError
@@ -52,7 +52,7 @@ def completed(check: Mapping[str, Any], hazard: Hazard) -> dict[str, Any]:
     return {**check, **found}
 
 
-def demand(hazard: Hazard, state: str, code: str) -> Row:
+def demand(hazard: Hazard, state: str, code: str) -> HazardRow:
     """The row of a limit state.
 
     Raises:
@@ -73,7 +73,7 @@ def known_at(hazard: Hazard | None, table: CheckTable) -> Hazard | None:
     return hazard.through(table.ag, hazard.life.return_period(table.limit_state, table.code in ITALIAN))
 
 
-Search = Callable[[str, Row], Sequence[Borne]]
+Search = Callable[[str, HazardRow], Sequence[Borne]]
 """Gives what the checks of the mechanism just meet at a limit state, under the motion of a row; none where the code has no such check."""
 
 

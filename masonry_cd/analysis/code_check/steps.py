@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from loads.signal.spectra.shape import Quantity as Quantity
+from loads.signal.spectra.shape import CodeQuantity
 from loads.signal.spectra.table import beyond
 from masonry_cd.analysis.code_check.borne import Borne
-from masonry_cd.analysis.code_check.level import Level
+from masonry_cd.analysis.code_check.level import HeldLevel
 from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckResult
 from masonry_cd.analysis.hazard.risk import Risk
 from masonry_cd.analysis.limit.oscillator import Oscillator
@@ -42,7 +42,7 @@ class Step:
 class Working:
     """The values of a check in the order in which they are found."""
 
-    def __init__(self, *tables: Mapping[str, Quantity]) -> None:
+    def __init__(self, *tables: Mapping[str, CodeQuantity]) -> None:
         self.rows = {symbol: row for table in tables for symbol, row in table.items()}
         self.steps: list[Step] = []
         self.known: dict[str, float] = {}  # the last value of each symbol
@@ -101,7 +101,7 @@ class CodeCheck:
     verdicts: tuple[CheckResult, ...]
     notes: tuple[str, ...] = ()
     left_open: tuple[str, ...] = ()  # by the clauses: which reading is taken, and what was not looked at
-    level: Level | None = None  # at which the mechanism is held, where that is known
+    level: HeldLevel | None = None  # at which the mechanism is held, where that is known
     unread: str = ""  # why the spectrum does not answer the check by displacements
     borne: tuple[Borne, ...] = ()  # the acceleration of the ground that each check just meets, where it was looked for
     risk: Risk | None = None  # by the Italian guideline, where the hazard of the site is known
@@ -151,20 +151,20 @@ def no_ordinate(symbol: str, period: float, longest: float) -> str:
     return f"{symbol} = {beyond(period, longest)}"
 
 
-def capacity_rows(factor: str, fraction: str, confidence: str, acceleration: str, displacement: str) -> dict[str, Quantity]:
+def capacity_rows(factor: str, fraction: str, confidence: str, acceleration: str, displacement: str) -> dict[str, CodeQuantity]:
     """The quantities that all codes share, from the load factor to a0* and d0*, with the clauses by which a code gives each."""
     return {
-        "g": Quantity("m/s2", "run.gravity", "acceleration of gravity, one in all formulas"),
-        "alpha0": Quantity("", factor, "load factor at which the mechanism starts, from the limit analysis"),
-        "sum P": Quantity("N", fraction, "weight that moves: blocks, and masses that the push moves with them"),
-        "sum P d": Quantity("N", fraction, "of weights times virtual displacements along the push, over that of the control point"),
-        "sum P d^2": Quantity("N", fraction, "of weights times their squares"),
-        "e*": Quantity("", fraction, "share of the mass that takes part", "(sum P d)^2 / (sum P sum P d^2)"),
-        "M*": Quantity("kg", fraction, "participating mass", "e* sum P / g"),
-        "CF": Quantity("", confidence, "confidence factor"),
-        "a0*": Quantity("m/s2", acceleration, "acceleration that starts it", "alpha0 g / (e* CF)"),
-        "dC0": Quantity("m", displacement, "displacement of the control point at which the factor vanishes"),
-        "d0*": Quantity("m", displacement, "of the oscillator at which the factor vanishes", "dC0 sum P d^2 / sum P d"),
+        "g": CodeQuantity("m/s2", "run.gravity", "acceleration of gravity, one in all formulas"),
+        "alpha0": CodeQuantity("", factor, "load factor at which the mechanism starts, from the limit analysis"),
+        "sum P": CodeQuantity("N", fraction, "weight that moves: blocks, and masses that the push moves with them"),
+        "sum P d": CodeQuantity("N", fraction, "of weights times virtual displacements along the push, over that of the control point"),
+        "sum P d^2": CodeQuantity("N", fraction, "of weights times their squares"),
+        "e*": CodeQuantity("", fraction, "share of the mass that takes part", "(sum P d)^2 / (sum P sum P d^2)"),
+        "M*": CodeQuantity("kg", fraction, "participating mass", "e* sum P / g"),
+        "CF": CodeQuantity("", confidence, "confidence factor"),
+        "a0*": CodeQuantity("m/s2", acceleration, "acceleration that starts it", "alpha0 g / (e* CF)"),
+        "dC0": CodeQuantity("m", displacement, "displacement of the control point at which the factor vanishes"),
+        "d0*": CodeQuantity("m", displacement, "of the oscillator at which the factor vanishes", "dC0 sum P d^2 / sum P d"),
     }
 
 

@@ -100,7 +100,7 @@ class CheckResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class CheckSpectrum:
     """The spectrum that one check is read from, in its unit: accelerations [m/s2] or displacements [m]."""
 
     check: CheckResult
@@ -120,7 +120,7 @@ class Spectrum:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class CheckVerdict:
     """The one verdict on a structure: a result, and how sure it is."""
 
     state: str  # the result: satisfied, NOT satisfied or not decided
@@ -172,9 +172,9 @@ def held_words(height: float) -> str:
     return f", held {height:.4g} m up" if height > ON_THE_GROUND else ""
 
 
-def refused(reason: str, search: SearchNumbers | None = None) -> Verdict:
+def refused(reason: str, search: SearchNumbers | None = None) -> CheckVerdict:
     """The verdict on a structure which needs no check to fail."""
-    return Verdict(NOT_SATISFIED, reason, search=search)
+    return CheckVerdict(NOT_SATISFIED, reason, search=search)
 
 
 def how_grave(one: CheckResult) -> tuple[int, float]:
@@ -182,12 +182,12 @@ def how_grave(one: CheckResult) -> tuple[int, float]:
     return WORST_FIRST.index(one.state), one.met
 
 
-def undecided(reason: str, search: SearchNumbers | None = None) -> Verdict:
+def undecided(reason: str, search: SearchNumbers | None = None) -> CheckVerdict:
     """The verdict where there is no check."""
-    return Verdict(NOT_DECIDED, reason, margin=MARGIN, search=search)
+    return CheckVerdict(NOT_DECIDED, reason, margin=MARGIN, search=search)
 
 
-def verdict_of(verdicts: Sequence[CheckResult], row: dict[str, Any] | None = None, found: SearchNumbers | None = None) -> Verdict:
+def verdict_of(verdicts: Sequence[CheckResult], row: dict[str, Any] | None = None, found: SearchNumbers | None = None) -> CheckVerdict:
     """The verdict of the checks of a mechanism, that of the gravest.
 
     Args:
@@ -204,7 +204,7 @@ def verdict_of(verdicts: Sequence[CheckResult], row: dict[str, Any] | None = Non
     alone = [f"the {better[0].check} check alone is satisfied"] if better else []
     because = "; ".join(filter(None, [least.because, *alone]))
     sides = (least.check, least.demand, least.capacity, least.unit, least.ratio)
-    return Verdict(least.state, f"{reason}{searched_words(found)}", because, *sides, MARGIN, row, found)
+    return CheckVerdict(least.state, f"{reason}{searched_words(found)}", because, *sides, MARGIN, row, found)
 
 
 def searched_words(found: SearchNumbers | None) -> str:
@@ -215,7 +215,7 @@ def searched_words(found: SearchNumbers | None) -> str:
     return f"; {agreement(found.agreeing, found.starts)}{spread}"
 
 
-def worst(found: Sequence[Verdict]) -> Verdict | None:
+def worst(found: Sequence[CheckVerdict]) -> CheckVerdict | None:
     """The least of some verdicts, by state and then by ratio; None of none."""
     order = [(WORST_FIRST.index(one.state), one.ratio if one.ratio is not None else 0.0) for one in found]
     return found[order.index(min(order))] if found else None

@@ -21,7 +21,7 @@ from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.layout import BONDED, CRUSHED, LAW_HISTORIES
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
-from masonry_cd.io.summary_tables import JointCounts, Shock
+from masonry_cd.io.summary_tables import JointCounts, ShockDamage
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
 
 BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
@@ -166,15 +166,15 @@ def in_words(table: JointDamage) -> str:
     )
 
 
-def shock_rows(results: Results, thresholds: Thresholds | None = None) -> tuple[Shock, ...]:
+def shock_rows(results: Results, thresholds: Thresholds | None = None) -> tuple[ShockDamage, ...]:
     """Return the damage after each shock of a sequence and its rest, that of earlier shocks included."""
     return tuple(_shock_row(results, thresholds, i) for i in range(len(results.shocks)))
 
 
-def _shock_row(results: Results, thresholds: Thresholds | None, i: int) -> Shock:
+def _shock_row(results: Results, thresholds: Thresholds | None, i: int) -> ShockDamage:
     """Return the damage after one shock."""
     shock, table = results.shocks[i], joint_damage(results, thresholds, i)
-    return Shock(
+    return ShockDamage(
         name=shock.name,
         start=shock.start,
         end=shock.end,

@@ -195,7 +195,7 @@ class Levels:
             foot[p] = height[mine].min() if len(mine) else np.nan
         return cls(bounds, of_block, foot, footing, ends_z)
 
-    def profile(self, part: int, parts: MacroElements, solids: Solids, snapshot: DamageSnapshot) -> Profile:
+    def profile(self, part: int, parts: MacroElements, solids: Solids, snapshot: DamageSnapshot) -> HeightProfile:
         """Heights and displacements of a part, level by level, from its standing blocks; spheres settle and roll without harm."""
         count = len(self.bounds) - 1
         standing = parts.blocks[part] & ~snapshot.down & (True if solids.round is None else ~solids.round)
@@ -213,11 +213,11 @@ class Levels:
         least = self.least
         low, high = self.ends[part]
         overall = float(np.linalg.norm(shift - shift[:1], axis=1).max(initial=0.0)) / (high - low) if (kept >= 0).sum() > 1 else 0.0
-        return Profile(kept, height, shift, _drifts(height, shift, least), overall)
+        return HeightProfile(kept, height, shift, _drifts(height, shift, least), overall)
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class HeightProfile:
     """A part over its height: n levels that hold blocks, the support first where it stands on one."""
 
     level: np.ndarray  # (n,) -1 for the support

@@ -65,7 +65,7 @@ class Rules:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class RockingPiece:
     """Blocks joined inside a part that could overturn together."""
 
     part: int
@@ -74,7 +74,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Mechanism:
+class PartMechanism:
     """The mechanism found in a part.
 
     Attributes:
@@ -90,7 +90,7 @@ class Mechanism:
     towards: str
 
 
-def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules) -> tuple[Piece, ...]:
+def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules) -> tuple[RockingPiece, ...]:
     """The pieces of all parts that are walls, or compact and slender, by their shape at rest."""
     found = []
     count = len(solids.centre)
@@ -107,8 +107,8 @@ def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules
 
 
 def mechanisms(
-    snapshot: DamageSnapshot, joints: Joints, parts: MacroElements, pieces: tuple[Piece, ...], rules: Rules
-) -> tuple[Mechanism, ...]:
+    snapshot: DamageSnapshot, joints: Joints, parts: MacroElements, pieces: tuple[RockingPiece, ...], rules: Rules
+) -> tuple[PartMechanism, ...]:
     """The mechanism of each part and, after these, of each structure and of all: the gravest of their parts'."""
     weights = _joint_weights(snapshot, joints)
     turn, towards = np.zeros(parts.count), [""] * parts.count
@@ -132,7 +132,7 @@ def mechanisms(
         if (snapshot.down & parts.blocks[p]).any():
             held[p].add(FALLING)
         ranked = sorted(held[p], key=lambda name: (name in score, -score.get(name, 0.0), -MECHANISMS.index(name)))
-        out.append(Mechanism(ranked[0] if ranked else NONE, tuple(ranked[1:]), float(turn[p]), towards[p]))
+        out.append(PartMechanism(ranked[0] if ranked else NONE, tuple(ranked[1:]), float(turn[p]), towards[p]))
     return tuple(out)
 
 
@@ -145,7 +145,7 @@ def _joint_weights(snapshot: DamageSnapshot, joints: Joints) -> dict[str, np.nda
     }
 
 
-def _piece(part: int, members: np.ndarray, solids: Solids, parts: MacroElements, rules: Rules) -> Piece | None:
+def _piece(part: int, members: np.ndarray, solids: Solids, parts: MacroElements, rules: Rules) -> RockingPiece | None:
     """The piece that some blocks form, if its shape at rest lets it overturn."""
     corners = solids.vertices[np.isin(solids.vertex_block, members)]
     plan = corners[:, :2] - corners[:, :2].mean(axis=0)
@@ -158,10 +158,10 @@ def _piece(part: int, members: np.ndarray, solids: Solids, parts: MacroElements,
     z, volume = solids.centre[members, 2], parts.volume[members]
     order = np.argsort(-z, kind="stable")
     half = np.searchsorted(np.cumsum(volume[order]), 0.5 * volume.sum()) + 1
-    return Piece(part, members[order[:half]], np.array([*axes[0], 0.0]) if wall else None)
+    return RockingPiece(part, members[order[:half]], np.array([*axes[0], 0.0]) if wall else None)
 
 
-def _turn(piece: Piece, snapshot: DamageSnapshot, parts: MacroElements, spin: np.ndarray, rules: Rules) -> tuple[float, str]:
+def _turn(piece: RockingPiece, snapshot: DamageSnapshot, parts: MacroElements, spin: np.ndarray, rules: Rules) -> tuple[float, str]:
     """Mean rotation of a piece's upper half [rad], 0 where it turns in many senses, and where its top goes."""
     upper = piece.upper[~snapshot.down[piece.upper]]
     if not len(upper):

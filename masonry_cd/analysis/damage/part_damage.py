@@ -29,15 +29,15 @@ from masonry_cd.analysis.damage.grades import Grades, grade_of
 from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
 from masonry_cd.analysis.damage.macro_elements import (
     DamageSnapshot,
+    HeightProfile,
     Levels,
     MacroElements,
-    Profile,
     hinge_places,
     macro_elements_of,
     require_names,
     side_names,
 )
-from masonry_cd.analysis.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
+from masonry_cd.analysis.damage.mechanism import PartMechanism, Rules, mechanisms, pieces_of
 from masonry_cd.analysis.damage.step_peaks import falls_as_in_runs
 from masonry_cd.analysis.damage.verdict import checks_on
 from masonry_cd.analysis.deformed import Solids, solids_of
@@ -53,7 +53,7 @@ FRAMES = 300  # of the history at most; longer runs are thinned out evenly, thei
 
 
 @dataclass(frozen=True)
-class Settings:
+class DamageSettings:
     """Thresholds from which on damage counts, and those of the grades."""
 
     thresholds: Thresholds = field(default_factory=Thresholds)
@@ -68,7 +68,7 @@ class PartDamage:
     title: str
     time: float  # of the last frame [s]
     provisional: str  # why residual values and grades are not the last, as text; empty where the run ended at rest
-    settings: Settings
+    settings: DamageSettings
     width_classes: tuple[float, ...]  # lower bounds [m]
     parts: list[Row]  # one per part, then the structure
     shocks: list[Row]  # the same after each shock of a sequence and its rest; empty for any other run
@@ -78,7 +78,7 @@ class PartDamage:
     of_steps: bool = False  # largest drifts and the hinges are over all steps, not only over the frames
 
 
-def part_damage(results: Results, settings: Settings | None = None, frames: np.ndarray | None = None) -> PartDamage:
+def part_damage(results: Results, settings: DamageSettings | None = None, frames: np.ndarray | None = None) -> PartDamage:
     """The damage of a run by part.
 
     Args:
@@ -89,7 +89,7 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
     Raises:
         InputError: a group of blocks named as the structure as a whole is.
     """
-    settings = settings or Settings()
+    settings = settings or DamageSettings()
     view = _View.of(results, settings)
     watch = _Watch(view)
     chosen = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int) if frames is None else frames
@@ -142,11 +142,11 @@ class _View:
     levels: Levels
     names: tuple[str, ...]
     pieces: tuple[Any, ...]
-    settings: Settings
+    settings: DamageSettings
     widths: tuple[float, ...]
 
     @classmethod
-    def of(cls, results: Results, settings: Settings) -> _View:
+    def of(cls, results: Results, settings: DamageSettings) -> _View:
         solids, joints = solids_of(results.blocks), results.joints
         require_names(results.blocks)
         parts = macro_elements_of(results.blocks, joints)
@@ -175,7 +175,7 @@ class _Watch:
         self.widest = np.zeros(count)  # opening of each joint while it was a hinge [m]
         self.place = np.full((count, 3), np.nan)
         self.when = np.full(count, np.nan)
-        self.profiles: list[Profile] = []
+        self.profiles: list[HeightProfile] = []
         levels = (view.parts.count, len(view.levels.bounds))  # the foot first
         self._level_displacement, self._level_drift = np.zeros(levels), np.zeros(levels)
 
@@ -237,7 +237,7 @@ class _Watch:
         return rows
 
 
-def _frame_row(view: _View, snapshot: DamageSnapshot, part: int, profile: Profile, how: Mechanism) -> Row:
+def _frame_row(view: _View, snapshot: DamageSnapshot, part: int, profile: HeightProfile, how: PartMechanism) -> Row:
     """Return the row of a part at a frame."""
     own, area = view.parts.joints[part], view.joints.area
     live = own & snapshot.live

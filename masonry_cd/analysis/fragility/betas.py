@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.analysis.fragility.censored import Weights, maximise, regression
+from masonry_cd.analysis.fragility.censored import ReplicateWeights, maximise, regression
 from masonry_cd.analysis.fragility.cloud import Cloud
 from masonry_cd.analysis.fragility.ida import Capacities
 
@@ -60,7 +60,7 @@ def of_counts(logs: np.ndarray, exceeded: np.ndarray, z: np.ndarray) -> Betas:
         return _too_few(len(logs))
     design = np.column_stack([np.ones(len(logs)), logs - logs.mean(), z])
     one = exceeded[None].astype(float)
-    found = maximise(design, Weights(np.zeros_like(one), one, 1.0 - one), np.zeros((1, design.shape[1])), scaled=False)[0]
+    found = maximise(design, ReplicateWeights(np.zeros_like(one), one, 1.0 - one), np.zeros((1, design.shape[1])), scaled=False)[0]
     return _parts(found[2:], z, found[1], 1.0)
 
 
@@ -69,7 +69,7 @@ def of_cloud(cloud: Cloud, z: np.ndarray) -> Betas:
     if _few(int(cloud.exact.sum()), z):
         return _too_few(int(cloud.exact.sum()))
     x = np.column_stack([np.ones(len(z)), cloud.measure, z])
-    kinds = Weights(*(rows[None].astype(float) for rows in (cloud.exact, cloud.above, cloud.below)))
+    kinds = ReplicateWeights(*(rows[None].astype(float) for rows in (cloud.exact, cloud.above, cloud.below)))
     c, scatter = regression(x, cloud.demand, kinds)
     return _parts(c[0, 2:], z, c[0, 1], float(scatter[0]))
 
@@ -80,7 +80,7 @@ def of_capacities(found: Capacities, z: np.ndarray) -> Betas:
     if _few(int(exact.sum()), z):
         return _too_few(int(exact.sum()))
     x = np.column_stack([np.ones(len(z)), z])
-    kinds = Weights(*(rows[None].astype(float) for rows in (exact, found.above, found.below)))
+    kinds = ReplicateWeights(*(rows[None].astype(float) for rows in (exact, found.above, found.below)))
     c, scatter = regression(x, np.log(found.intensity), kinds)
     return _parts(c[0, 1:], z, 1.0, float(scatter[0]))
 

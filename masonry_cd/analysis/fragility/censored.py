@@ -26,19 +26,19 @@ CHUNK = 1_000_000  # replicates times observations at once: some 10 MB per array
 LOG_ROOT_2_PI = 0.5 * np.log(2.0 * np.pi)
 
 
-class Weights(NamedTuple):
+class ReplicateWeights(NamedTuple):
     """How often each of N observations counts in each of R replicates, (R, N) each."""
 
     exact: np.ndarray
     above: np.ndarray
     below: np.ndarray
 
-    def rows(self, chosen: np.ndarray | slice) -> Weights:
+    def rows(self, chosen: np.ndarray | slice) -> ReplicateWeights:
         """Those of some replicates."""
-        return Weights(self.exact[chosen], self.above[chosen], self.below[chosen])
+        return ReplicateWeights(self.exact[chosen], self.above[chosen], self.below[chosen])
 
 
-def maximise(design: np.ndarray, weights: Weights, start: np.ndarray, scaled: bool) -> np.ndarray:
+def maximise(design: np.ndarray, weights: ReplicateWeights, start: np.ndarray, scaled: bool) -> np.ndarray:
     """Maximise the log-likelihood of the head of this file.
 
     Args:
@@ -55,7 +55,7 @@ def maximise(design: np.ndarray, weights: Weights, start: np.ndarray, scaled: bo
     return np.concatenate(parts) if parts else start.copy()
 
 
-def regression(x: np.ndarray, y: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
+def regression(x: np.ndarray, y: np.ndarray, weights: ReplicateWeights) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients c (R, p) and scatter s (R,) of y (N,) over x (N, p); nan where they are not determined."""
     middle = y.mean()
     design = np.column_stack([x, -(y - middle)])
@@ -68,13 +68,13 @@ def regression(x: np.ndarray, y: np.ndarray, weights: Weights) -> tuple[np.ndarr
     return c, scatter
 
 
-def log_likelihood(x: np.ndarray, y: np.ndarray, weights: Weights, found: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def log_likelihood(x: np.ndarray, y: np.ndarray, weights: ReplicateWeights, found: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """(R,) of coefficients and scatter that :func:`regression` found of y (N,) over x (N, p); nan where they are not determined."""
     c, scatter = found
     return _likelihood(np.column_stack([c, np.ones(len(c))]) / scatter[:, None], np.column_stack([x, -y]), weights, scaled=True)
 
 
-def _newton(design: np.ndarray, weights: Weights, start: np.ndarray, scaled: bool) -> np.ndarray:
+def _newton(design: np.ndarray, weights: ReplicateWeights, start: np.ndarray, scaled: bool) -> np.ndarray:
     """Newton's method on some replicates, those that have arrived left alone."""
     g, outer = start.astype(float), np.einsum("np,nq->npq", design, design).reshape(len(design), -1)
     height = _likelihood(g, design, weights, scaled)
@@ -95,7 +95,7 @@ def _newton(design: np.ndarray, weights: Weights, start: np.ndarray, scaled: boo
     return g
 
 
-def _step(g: np.ndarray, design: np.ndarray, outer: np.ndarray, weights: Weights, scaled: bool) -> tuple[np.ndarray, np.ndarray]:
+def _step(g: np.ndarray, design: np.ndarray, outer: np.ndarray, weights: ReplicateWeights, scaled: bool) -> tuple[np.ndarray, np.ndarray]:
     """Newton steps (R, q), and the replicates (R,) whose information is singular."""
     eta = np.einsum("nq,rq->rn", design, g)
     up, down = _ratio(eta), _ratio(-eta)  # phi / Phi
@@ -117,7 +117,7 @@ def _step(g: np.ndarray, design: np.ndarray, outer: np.ndarray, weights: Weights
 
 
 def _ascend(
-    g: np.ndarray, step: np.ndarray, height: np.ndarray, problem: tuple[np.ndarray, Weights, bool]
+    g: np.ndarray, step: np.ndarray, height: np.ndarray, problem: tuple[np.ndarray, ReplicateWeights, bool]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Which share (R,) of each step climbs, 0 where none does, and how high (R,) that leads."""
     design, weights, scaled = problem
@@ -134,7 +134,7 @@ def _ascend(
     return share, found
 
 
-def _likelihood(g: np.ndarray, design: np.ndarray, weights: Weights, scaled: bool) -> np.ndarray:
+def _likelihood(g: np.ndarray, design: np.ndarray, weights: ReplicateWeights, scaled: bool) -> np.ndarray:
     """(R,) log-likelihoods, -inf where 1 / s is not positive."""
     eta = np.einsum("nq,rq->rn", design, g)
     sums = (weights.above * log_ndtr(eta) + weights.below * log_ndtr(-eta) - 0.5 * weights.exact * eta**2).sum(axis=1)

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.analysis.fragility.censored import Weights, log_likelihood, regression
+from masonry_cd.analysis.fragility.censored import ReplicateWeights, log_likelihood, regression
 from masonry_cd.analysis.fragility.fragility import FALLING, FITTED, Lognormal
 
 NOTHING = 1e-3  # of the smallest limit: less than this of a quantity is none
@@ -64,7 +64,7 @@ class Line(NamedTuple):
         return Lognormal(theta, beta, np.where(rising, FITTED, FALLING).astype(object))
 
 
-class Bend(NamedTuple):
+class CloudBend(NamedTuple):
     """Where a cloud bends."""
 
     measure: float  # IM at the knot
@@ -96,18 +96,18 @@ def fit_line(cloud: Cloud, weights: np.ndarray) -> Line:
     if not len(cloud.measure):
         return Line(*np.full((3, len(weights)), np.nan))
     x = np.column_stack([np.ones(len(cloud.measure)), cloud.measure])
-    c, scatter = regression(x, cloud.demand, Weights(exact, weights * cloud.above, weights * cloud.below))
+    c, scatter = regression(x, cloud.demand, ReplicateWeights(exact, weights * cloud.above, weights * cloud.below))
     enough = exact.sum(axis=1) >= LEAST
     a, b, s = (np.where(enough, values, np.nan) for values in (c[:, 0], c[:, 1], scatter))
     return Line(a, b, s)
 
 
-def bend_of(cloud: Cloud) -> Bend | None:
+def bend_of(cloud: Cloud) -> CloudBend | None:
     """Where a cloud bends beyond chance; None of one that is straight, or has too few runs to tell."""
     exact = cloud.measure[cloud.exact]
     if len(exact) < 3 * LEAST or np.ptp(exact) == 0.0:
         return None
-    kinds = Weights(*(rows[None].astype(float) for rows in (cloud.exact, cloud.above, cloud.below)))
+    kinds = ReplicateWeights(*(rows[None].astype(float) for rows in (cloud.exact, cloud.above, cloud.below)))
     straight = np.column_stack([np.ones(len(cloud.measure)), cloud.measure])
     best, found = float(log_likelihood(straight, cloud.demand, kinds, regression(straight, cloud.demand, kinds))[0]) + 0.5 * BENDS, None
     for knot in np.unique(np.quantile(exact, KNOTS)):
@@ -116,7 +116,7 @@ def bend_of(cloud: Cloud) -> Bend | None:
         height = float(log_likelihood(bent, cloud.demand, kinds, fit)[0])
         if height > best:
             a, b, d = fit[0][0].tolist()
-            best, found = height, Bend(float(np.exp(knot)), float(np.exp(a + b * knot)), b, b + d)
+            best, found = height, CloudBend(float(np.exp(knot)), float(np.exp(a + b * knot)), b, b + d)
     return found
 
 

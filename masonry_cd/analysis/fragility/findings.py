@@ -15,10 +15,10 @@ from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.analysis.damage.verdict import ENOUGH
 from masonry_cd.analysis.fragility.bootstrap import LEVEL
 from masonry_cd.analysis.fragility.fits import ORDER, Fit, Fits, fit_study
-from masonry_cd.analysis.fragility.folder import Study, read_study
+from masonry_cd.analysis.fragility.folder import StudyResults, read_study
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.analysis.fragility.rates import Rate, annual_loss, hazard_of, mismatch, rates_of
-from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, Correlation, correlations
+from masonry_cd.analysis.fragility.sensitivity import SIGNIFICANT, RankCorrelation, correlations
 from masonry_cd.analysis.outputs import NUMBERS, STUDY_PAGE, lengths_in
 from masonry_cd.analysis.run_row import STATES
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, NOT_GRADED, UNKNOWN, Verdict
@@ -31,7 +31,7 @@ FEW_RECORDS = 10  # with fewer the bands of fits are too narrow
 MANY = 0.1  # share of runs without data or without a grade from which on fits are biased beyond what their bands say
 
 
-class Spread(NamedTuple):
+class RunSpread(NamedTuple):
     """A quantity over the runs that are done."""
 
     median: float
@@ -51,7 +51,7 @@ class Flaw(NamedTuple):
 class Findings:
     """A study with what follows from its runs, each computed once and only where it is asked for."""
 
-    study: Study
+    study: StudyResults
 
     @cached_property
     def all_fits(self) -> Fits:
@@ -83,7 +83,7 @@ class Findings:
         return annual_loss(self.rates, self.study.asked.loss_ratios)
 
     @cached_property
-    def correlations(self) -> list[Correlation]:
+    def correlations(self) -> list[RankCorrelation]:
         """Correlations of the varied keys and of the intensity with the quantities of the limit states."""
         return correlations(self.study)
 
@@ -111,7 +111,7 @@ class Findings:
         return [name for name in (asked or GENERAL) if np.isfinite(study.numbers(name)[study.done]).any()][:PANELS]
 
     @property
-    def spreads(self) -> dict[str, Spread]:
+    def spreads(self) -> dict[str, RunSpread]:
         """Median and quartiles of each quantity."""
         out = {}
         for column in dict.fromkeys([*self.quantities, *(limit.column for limit in self.study.limit_states)]):
@@ -119,7 +119,7 @@ class Findings:
             values = values[np.isfinite(values)]
             if len(values):
                 low, middle, high = (float(value) for value in np.percentile(values, [25.0, 50.0, 75.0]))
-                out[column] = Spread(middle, low, high, len(values))
+                out[column] = RunSpread(middle, low, high, len(values))
         return out
 
     # --- how far the runs bear it out -------------------------------------------------------------------------------------------------
@@ -240,7 +240,7 @@ def fit_line(fit: Fit) -> str:
     return text + (f"; of this beta {', '.join(parts)}" if len(parts) == 2 else "")
 
 
-def _spread_line(column: str, found: Spread) -> str:
+def _spread_line(column: str, found: RunSpread) -> str:
     """``largest opening: median 50.1 mm, quartiles 45.2 to 53 mm, over 50 runs``"""
     words, factor = quantity(column)
     name, _, rest = words.partition(" [")

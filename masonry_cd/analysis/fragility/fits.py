@@ -11,10 +11,10 @@ import numpy as np
 from masonry_cd.analysis.fragility import betas, fragility
 from masonry_cd.analysis.fragility.betas import Betas
 from masonry_cd.analysis.fragility.bootstrap import FEW, band, replicates
-from masonry_cd.analysis.fragility.cloud import Bend, Cloud, Line, bend_of, cloud_of, fit_line, least_demand
-from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.cloud import Cloud, CloudBend, Line, bend_of, cloud_of, fit_line, least_demand
+from masonry_cd.analysis.fragility.folder import StudyResults
 from masonry_cd.analysis.fragility.fragility import Lognormal, by_level, fit_counts
-from masonry_cd.analysis.fragility.ida import Capacities, Curve, capacities, capacity_quantiles, curves_of, fit_capacities
+from masonry_cd.analysis.fragility.ida import Capacities, IdaCurve, capacities, capacity_quantiles, curves_of, fit_capacities
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import with_unit
 
@@ -94,7 +94,7 @@ class CloudFit(NamedTuple):
     line: Line
     replicated: Line
     limits: tuple[LimitState, ...]
-    bend: Bend | None  # where one line does not do
+    bend: CloudBend | None  # where one line does not do
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ class Fits:
 
     fits: tuple[Fit, ...] = ()
     clouds: tuple[CloudFit, ...] = ()
-    curves: tuple[Curve, ...] = ()
+    curves: tuple[IdaCurve, ...] = ()
     warnings: tuple[str, ...] = ()
 
 
@@ -111,13 +111,13 @@ class Fits:
 class Sample:
     """Runs that enter the fits of a method."""
 
-    study: Study
+    study: StudyResults
     rows: np.ndarray  # (N,) of the table
     intensity: np.ndarray  # (N,)
     weights: np.ndarray  # (R, N) of the bootstrap
 
     @classmethod
-    def of(cls, study: Study, rows: np.ndarray, intensity: np.ndarray) -> Sample:
+    def of(cls, study: StudyResults, rows: np.ndarray, intensity: np.ndarray) -> Sample:
         """Runs ``rows`` (N,) with intensities (N,), and their bootstrap."""
         own = np.unique(study.clusters[rows], return_inverse=True)[1].reshape(-1)
         return cls(study, rows, intensity, replicates(own, study.asked.seed))
@@ -143,7 +143,7 @@ class Sample:
         return betas.standardised(columns) if all(np.isfinite(column).all() for column in columns) else None
 
 
-def fit_study(study: Study) -> Fits:
+def fit_study(study: StudyResults) -> Fits:
     """All fits that the design of a study and its data allow."""
     measure = study.asked.measure
     if measure is None or not study.limit_states or not study.done.any():
@@ -198,7 +198,7 @@ def _clouds(sample: Sample, measure: str) -> tuple[list[Fit], tuple[CloudFit, ..
     return fits, tuple(clouds)
 
 
-def _ida(study: Study, measure: str, intensity: np.ndarray) -> Fits:
+def _ida(study: StudyResults, measure: str, intensity: np.ndarray) -> Fits:
     """Fit by the capacities of records."""
     rows = np.flatnonzero(study.done & np.isfinite(intensity) & (intensity > 0))
     if not len(rows):
@@ -224,7 +224,7 @@ def _ida(study: Study, measure: str, intensity: np.ndarray) -> Fits:
     return Fits(tuple(fits), (), every, tuple(line for fit in fits for line in _warnings(fit)))
 
 
-def _betas(study: Study, z: np.ndarray | None, curve: Lognormal, split: object) -> Betas:
+def _betas(study: StudyResults, z: np.ndarray | None, curve: Lognormal, split: object) -> Betas:
     """The parts of beta, by a function of what varied."""
     assert callable(split)
     if curve.state[0] != fragility.FITTED:
@@ -274,7 +274,7 @@ def _warnings(fit: Fit) -> list[str]:
     return out
 
 
-def _bent(fit: CloudFit, bend: Bend) -> str:
+def _bent(fit: CloudFit, bend: CloudBend) -> str:
     """That one line is put through a cloud with two slopes."""
     names, at = ", ".join(limit.name for limit in fit.limits), f"{fit.measure} {with_unit(bend.measure, fit.measure)}"
     slopes = f"of slope {bend.below:.2g} below {at} and {bend.above:.2g} above"

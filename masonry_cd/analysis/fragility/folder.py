@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from masonry_cd.analysis.fragility.limits import LimitState, LimitTable, limit_states_of
+from masonry_cd.analysis.fragility.limits import LimitState, LimitStateTable, limit_states_of
 from masonry_cd.analysis.run_row import STATES
 from masonry_cd.foundation.csv_files import unguarded
 from masonry_cd.foundation.errors import InputError, parse_table
@@ -52,7 +52,7 @@ class StudyFacts(Table):
     """Levels of the intensity, where the design has some."""
     varied: list[str]
     """Keys of the scene."""
-    limit_states: dict[str, LimitTable]
+    limit_states: dict[str, LimitStateTable]
     """Limit states by name."""
     hazard: dict[str, Any] | None = None
     """Hazard of the site, where the scene has one: measure, intensity, frequency."""
@@ -73,7 +73,7 @@ class StudyFacts(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class StudyResults:
     """A study's folder.
 
     Attributes:
@@ -153,7 +153,7 @@ class Study:
         return found
 
 
-def read_study(folder: Path) -> Study:
+def read_study(folder: Path) -> StudyResults:
     """Read a study's folder.
 
     Raises:
@@ -173,7 +173,7 @@ def read_study(folder: Path) -> Study:
         limits = limit_states_of(asked.limit_states, header)
     except InputError as error:
         raise error.under(str(folder / FILE)) from None
-    return Study(folder, asked, limits, columns, measures)
+    return StudyResults(folder, asked, limits, columns, measures)
 
 
 def read_facts(folder: Path) -> StudyFacts:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from masonry_cd.analysis.fragility.censored import Weights, maximise
+from masonry_cd.analysis.fragility.censored import ReplicateWeights, maximise
 
 FITTED, NONE, ALL, SEPARATED, FALLING = "fitted", "none", "all", "separated", "falling"
 
@@ -65,7 +65,7 @@ def fit_counts(intensity: np.ndarray, exceeded: np.ndarray, runs: np.ndarray) ->
         logs = np.log(intensity)
         middle = logs.mean()
         design = np.column_stack([np.ones(len(logs)), logs - middle])
-        weights = Weights(np.zeros((len(rows), len(logs))), exceeded[rows].astype(float), below[rows].astype(float))
+        weights = ReplicateWeights(np.zeros((len(rows), len(logs))), exceeded[rows].astype(float), below[rows].astype(float))
         a, b = maximise(design, weights, np.zeros((len(rows), 2)), scaled=False).T
         rising = b > 1e-6
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # of fits that do not rise, which are left out

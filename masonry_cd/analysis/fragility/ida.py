@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.analysis.fragility.censored import Weights, regression
+from masonry_cd.analysis.fragility.censored import ReplicateWeights, regression
 from masonry_cd.analysis.fragility.fragility import ALL, FITTED, NONE, SEPARATED, Lognormal
 from masonry_cd.analysis.fragility.limits import LimitState
 
@@ -27,7 +27,7 @@ QUANTILES = (0.16, 0.50, 0.84)
 GRID = 60  # intensities at which the quantiles of the demand are taken
 
 
-class Curve(NamedTuple):
+class IdaCurve(NamedTuple):
     """Runs of one record (and of one set of what varied), from weak to strong."""
 
     rows: np.ndarray  # (n,) of the table
@@ -55,7 +55,7 @@ class Capacities(NamedTuple):
     below: np.ndarray  # (C,) bool: exceeded by the weakest run already
 
 
-def curves_of(rows: np.ndarray, keys: Sequence[tuple[object, ...]], intensity: np.ndarray) -> list[Curve]:
+def curves_of(rows: np.ndarray, keys: Sequence[tuple[object, ...]], intensity: np.ndarray) -> list[IdaCurve]:
     """The curves of runs ``rows`` (n,), those of equal ``keys`` together; ``intensity`` (n,)."""
     places: dict[tuple[object, ...], list[int]] = {}
     for k, key in enumerate(keys):
@@ -63,11 +63,11 @@ def curves_of(rows: np.ndarray, keys: Sequence[tuple[object, ...]], intensity: n
     curves = []
     for found in places.values():
         order = np.array(found)[np.argsort(intensity[found], kind="stable")]
-        curves.append(Curve(rows[order], intensity[order]))
+        curves.append(IdaCurve(rows[order], intensity[order]))
     return curves
 
 
-def capacities(curves: Sequence[Curve], limit: LimitState, values: np.ndarray, collapsed: np.ndarray) -> Capacities:
+def capacities(curves: Sequence[IdaCurve], limit: LimitState, values: np.ndarray, collapsed: np.ndarray) -> Capacities:
     """The capacities of curves for a limit state.
 
     Args:
@@ -110,7 +110,7 @@ def fit_capacities(found: Capacities, weights: np.ndarray) -> Lognormal:
     censored = (weights[rows] * (found.above | found.below)).sum(axis=1) > 0
     if censored.any():
         chosen = weights[rows[censored]]
-        kinds = Weights(exact[rows[censored]], chosen * found.above, chosen * found.below)
+        kinds = ReplicateWeights(exact[rows[censored]], chosen * found.above, chosen * found.below)
         c, s = regression(np.ones((len(logs), 1)), logs, kinds)
         middle[censored], scatter[censored] = c[:, 0], s
     total = weights[rows].sum(axis=1)
@@ -129,7 +129,7 @@ def quantiles(values: np.ndarray, shares: Sequence[float]) -> list[float]:
     return [float(ordered[max(0, int(np.ceil(q * len(ordered))) - 1)]) if len(ordered) else np.nan for q in shares]
 
 
-def demand_quantiles(curves: Sequence[Curve], values: np.ndarray, collapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def demand_quantiles(curves: Sequence[IdaCurve], values: np.ndarray, collapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The 16, 50 and 84 % quantiles of a quantity over the records at given intensities.
 
     Each curve is taken straight between its runs, from nothing at no intensity on; from the first collapse on its demand is infinite, and
@@ -147,7 +147,7 @@ def demand_quantiles(curves: Sequence[Curve], values: np.ndarray, collapsed: np.
     return grid, table[places]
 
 
-def _demand(curve: Curve, values: np.ndarray, collapsed: np.ndarray, grid: np.ndarray) -> np.ndarray:
+def _demand(curve: IdaCurve, values: np.ndarray, collapsed: np.ndarray, grid: np.ndarray) -> np.ndarray:
     """The demand of a curve at intensities (G,)."""
     intensity, demand, collapse = curve.demands(values, collapsed)
     return np.where(grid > collapse, np.inf, np.interp(grid, intensity, demand))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
-from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.folder import StudyResults
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import size_of_regular
 
@@ -32,7 +32,7 @@ class JointRuns:
         return self.opening >= thresholds.opened
 
 
-def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRuns | None:
+def read_joint_runs(study: StudyResults, count: int, thresholds: Thresholds) -> JointRuns | None:
     """Read joints/*.npz of the runs that are done; the first in the table that has one says which joints are meant.
 
     Args:

@@ -30,7 +30,7 @@ WHOLE_NUMBERS = ("collapsed_blocks", "steps_missed", "steps")  # counts: they ha
 BOUND = Usual(0.0, 0.5, "openings, slips and displacements of limit states are below half a metre", LENGTHS)  # of quantities in metres
 
 
-class LimitTable(Table):
+class LimitStateTable(Table):
     """A limit state: exceeded where a quantity of a run is above a value."""
 
     quantity: str
@@ -43,7 +43,7 @@ class LimitTable(Table):
     """Smallest value that the regression of a cloud takes in: of runs with less it only knows that they have less."""
 
     @model_validator(mode="after")
-    def _one(self) -> LimitTable:
+    def _one(self) -> LimitStateTable:
         if self.quantity not in QUANTITIES and not self.quantity.endswith(OF_PARTS):
             raise ValueError(f'quantity: unknown "{self.quantity}"{suggest(self.quantity, QUANTITIES)}; one of {", ".join(QUANTITIES)}')
         graded = self.quantity == "grade"
@@ -81,7 +81,7 @@ class LimitState:
     least: float = 0.0
 
     @classmethod
-    def of(cls, name: str, table: LimitTable) -> LimitState:
+    def of(cls, name: str, table: LimitStateTable) -> LimitState:
         """That of a table."""
         if table.at_least is not None:
             return cls(name, table.quantity, "grade_number", float(NAMES.index(table.at_least)), True, table.at_least)
@@ -109,7 +109,7 @@ class LimitState:
         return f"{self.quantity} {'≥' if self.equal else '>'} {self.word}"
 
 
-def limit_states_of(tables: Mapping[str, LimitTable], header: Sequence[str]) -> tuple[LimitState, ...]:
+def limit_states_of(tables: Mapping[str, LimitStateTable], header: Sequence[str]) -> tuple[LimitState, ...]:
     """The limit states of a study whose table of runs has some columns.
 
     Raises:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import rankdata, t
 
 from masonry_cd.analysis.fragility.bootstrap import band, replicates
-from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.folder import StudyResults
 
 LEAST = 8  # runs, for a correlation
 SIGNIFICANT = 0.01  # p-values below
@@ -23,7 +23,7 @@ COLUMNS = ("variable", "kind", "quantity", "rho", "low", "high", "p", "given_mea
 CHUNK = 1_000_000  # replicates times runs at once
 
 
-class Correlation(NamedTuple):
+class RankCorrelation(NamedTuple):
     """A row of sensitivity.csv."""
 
     variable: str
@@ -37,9 +37,9 @@ class Correlation(NamedTuple):
     runs: int
 
 
-def correlations(study: Study) -> list[Correlation]:
+def correlations(study: StudyResults) -> list[RankCorrelation]:
     """All of them, quantity by quantity, the strongest first."""
-    rows: list[Correlation] = []
+    rows: list[RankCorrelation] = []
     kinds = [(name, "varied") for name in study.spread(study.varied)] + [(name, "intensity") for name in study.spread(study.measures)]
     for quantity in dict.fromkeys(limit.column for limit in study.limit_states):
         if study.spread([quantity]):
@@ -48,7 +48,7 @@ def correlations(study: Study) -> list[Correlation]:
     return rows
 
 
-def _one(study: Study, name: str, kind: str, quantity: str) -> Correlation | None:
+def _one(study: StudyResults, name: str, kind: str, quantity: str) -> RankCorrelation | None:
     """The correlation of a variable with a quantity; None where too few runs have both."""
     x, y = study.numbers(name), study.numbers(quantity)
     rows = np.flatnonzero(study.done & np.isfinite(x) & np.isfinite(y))
@@ -57,7 +57,7 @@ def _one(study: Study, name: str, kind: str, quantity: str) -> Correlation | Non
         return None
     rho = _pearson(rankdata(x), rankdata(y))
     low, high = band(_replicated(x, y, np.unique(study.clusters[rows], return_inverse=True)[1].reshape(-1), study.asked.seed))
-    return Correlation(name, kind, quantity, rho, low, high, p_value(rho, len(rows)), _partial(study, name, rows, x, y), len(rows))
+    return RankCorrelation(name, kind, quantity, rho, low, high, p_value(rho, len(rows)), _partial(study, name, rows, x, y), len(rows))
 
 
 def p_value(rho: float, count: int) -> float:
@@ -67,7 +67,7 @@ def p_value(rho: float, count: int) -> float:
     return float(2.0 * t.sf(abs(rho) * np.sqrt((count - 2) / (1.0 - rho**2)), count - 2))
 
 
-def _partial(study: Study, name: str, rows: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
+def _partial(study: StudyResults, name: str, rows: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
     """The correlation of the ranks once those of the study's measure have been taken out of both."""
     measure = study.asked.measure
     z = study.numbers(measure)[rows] if measure and measure != name else np.zeros(len(rows))

@@ -37,7 +37,7 @@ class Period(NamedTuple):
         return f"{self.bound} {self.years:.4g} years".strip()
 
 
-class Row(NamedTuple):
+class HazardRow(NamedTuple):
     """The hazard at a return period."""
 
     intensity: float
@@ -87,7 +87,7 @@ class Hazard:
             return Period(first, "<=")
         return Period(math.exp(-np.interp(math.log(intensity), libm.log(self.intensity), libm.log(self.frequency))))
 
-    def at(self, years: float, where: str = "hazard") -> Row:
+    def at(self, years: float, where: str = "hazard") -> HazardRow:
         """The hazard at a return period [years].
 
         Raises:
@@ -98,14 +98,14 @@ class Hazard:
             raise InputError(where, f"has return periods of {first:.4g} to {last:.4g} years, and {years:.4g} is asked for; give more rows")
         return self.nearest(years)
 
-    def nearest(self, years: float) -> Row:
+    def nearest(self, years: float) -> HazardRow:
         """The hazard at a return period [years], beyond the rows that of the last or the first."""
         logs, at = -libm.log(self.frequency), math.log(years)
 
         def value(column: np.ndarray | None) -> float | None:
             return None if column is None else math.exp(np.interp(at, logs, libm.log(column)))
 
-        return Row(math.exp(np.interp(at, logs, libm.log(self.intensity))), value(self.f0), value(self.tc_star))
+        return HazardRow(math.exp(np.interp(at, logs, libm.log(self.intensity))), value(self.f0), value(self.tc_star))
 
     def around(self, intensity: float) -> tuple[int, int]:
         """The two rows between which an intensity lies, or the two at the end beyond which it does."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.crushing import block_shares, crushable, cut_where_it_crushes, refuse_crushed_at_rest, solved_finely
 from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
-from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
+from masonry_cd.analysis.limit.problem import BlockLoads, LimitProblem, limit_problem
 from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.analysis.limit.search import least_factor, polished, sought
 from masonry_cd.analysis.limit.solution import ALIKE, LeastFound, Optimum, Unbounded, merged
@@ -37,7 +37,7 @@ class NoFiniteFactor(InputError):
 
 
 @dataclass(frozen=True)
-class Options:
+class LimitOptions:
     """How to solve."""
 
     starts: int = 3  # of the search for the least factor without dilation; 0: no search
@@ -57,7 +57,7 @@ class Certificate:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class LimitAnswer:
     """The state at the largest factor."""
 
     factor: float
@@ -94,7 +94,7 @@ class Analysis:
 
     problem: LimitProblem
     standing: float  # share of its dead loads that it bears; 1: it stands
-    associated: Answer  # of the dead loads where it does not stand
+    associated: LimitAnswer  # of the dead loads where it does not stand
     least: LeastFound | None  # without dilation
     least_mechanism: Mechanism | None
     starts: int  # of the search for it that were made
@@ -151,13 +151,13 @@ def collapse_of(problem: LimitProblem, best: Optimum, moves: Mechanism, joints: 
     )
 
 
-def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> Analysis:
+def analyse(assembly: Assembly, joints: Joints, loads: BlockLoads, options: LimitOptions | None = None) -> Analysis:
     """Find the largest factor of the live loads.
 
     Raises:
         InputError: a structure without supports, live loads that do no work, or no answer of the solver.
     """
-    options = options or Options()
+    options = options or LimitOptions()
     begin = time.perf_counter()
     problem, alone = at_rest(assembly, joints, loads)
     _refuse_crushed(problem, alone, assembly)
@@ -255,7 +255,7 @@ def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
     )
 
 
-def at_rest(assembly: Assembly, joints: Joints, loads: Loads, domain: Domain = crushable) -> tuple[LimitProblem, Optimum]:
+def at_rest(assembly: Assembly, joints: Joints, loads: BlockLoads, domain: Domain = crushable) -> tuple[LimitProblem, Optimum]:
     """The largest share of the dead loads that a structure bears, at most 1, and the problem that this is of.
 
     ``domain`` puts into a problem what its joints bear.
@@ -292,10 +292,10 @@ def _rests(problem: LimitProblem) -> Optimum:
         raise InputError("limit", f"no answer: {failure}") from None
 
 
-def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:
+def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> LimitAnswer:
     """An optimum with its mechanism and certificate."""
     moves = mechanism(problem, assembly, joints, best.velocity)
-    return Answer(best.factor, best, moves, certificate(problem, best, cap), seconds)
+    return LimitAnswer(best.factor, best, moves, certificate(problem, best, cap), seconds)
 
 
 def certificate(problem: LimitProblem, best: Optimum, cap: float) -> Certificate:

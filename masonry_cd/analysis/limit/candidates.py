@@ -25,8 +25,8 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.analysis.limit.admitted import admitted
-from masonry_cd.analysis.limit.analysis import HELD, Analysis, Options, largest_factor, searched_finely
-from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, alike, dilation, found_in
+from masonry_cd.analysis.limit.analysis import HELD, Analysis, LimitOptions, largest_factor, searched_finely
+from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, FoundMechanism, alike, dilation, found_in
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
 from masonry_cd.analysis.limit.part import FreedPart, Whole
@@ -42,7 +42,7 @@ UNTIED = ", found without the ties"
 Source = tuple[str, Optimum]  # how a mechanism was found, and its velocities
 
 
-def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Analysis, list[Source], str]:
+def with_untied(analysis: Analysis, assembly: Assembly, joints: Joints, options: LimitOptions) -> tuple[Analysis, list[Source], str]:
     """An analysis whose search with ties has begun at the mechanisms found without them as well, these mechanisms, or why there are none.
 
     Args:
@@ -95,7 +95,7 @@ def _begun_at(analysis: Analysis, assembly: Assembly, joints: Joints, mechanisms
     return replace(analysis, problem=problem, least=least, least_mechanism=moves, starts=found.starts)
 
 
-def candidates(analysis: Analysis, untied: Sequence[Source], part: FreedPart) -> list[Found]:
+def candidates(analysis: Analysis, untied: Sequence[Source], part: FreedPart) -> list[FoundMechanism]:
     """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
 
     Args:
@@ -103,7 +103,7 @@ def candidates(analysis: Analysis, untied: Sequence[Source], part: FreedPart) ->
         untied: mechanisms found without its ties.
         part: the structure as the part that holds everything.
     """
-    out: list[Found] = []
+    out: list[FoundMechanism] = []
     associated = None if analysis.unlimited else analysis.associated.optimum
     for source, optimum in (*_named("", associated, analysis.least), *untied):
         factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor

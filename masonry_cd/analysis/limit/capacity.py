@@ -21,13 +21,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import STANDS, Options, at_rest
+from masonry_cd.analysis.limit.analysis import STANDS, LimitOptions, at_rest
 from masonry_cd.analysis.limit.following import FollowedMotion
 from masonry_cd.analysis.limit.mechanism import STILL
 from masonry_cd.analysis.limit.passing import borne, edge, passed
-from masonry_cd.analysis.limit.problem import Loads
+from masonry_cd.analysis.limit.problem import BlockLoads
 from masonry_cd.analysis.limit.solution import Unbounded
-from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
+from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, CurveStage, Stages
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -55,7 +55,7 @@ TRIES = 30  # to find where it does
 class CurveOptions:
     """Options of a capacity curve: the point to follow, and how finely."""
 
-    analysis: Options = field(default_factory=Options)
+    analysis: LimitOptions = field(default_factory=LimitOptions)
     steps: int = STEPS
     control: int | None = None  # block; None: whose centre moves fastest along the load when the mechanism begins
     limit: float = np.inf  # control displacement at which to stop [m]
@@ -78,7 +78,7 @@ class CapacityCurve:
     control: Control
     displacement: np.ndarray  # (K,) of the control point along its direction [m]
     factor: np.ndarray  # (K,)
-    stages: tuple[Stage, ...]  # K
+    stages: tuple[CurveStage, ...]  # K
     changes: tuple[int, ...]  # points at which other joints are at work than before
     jumps: tuple[int, ...]  # points to which blocks went by themselves, the load's displacement held
     falls: bool  # at the last point the factor vanishes
@@ -109,7 +109,7 @@ class CapacityCurve:
         return 0.0 if abs(self.factor[k]) < ROUNDING * abs(self.factor[0]) else float(self.factor[k])
 
 
-def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions | None = None) -> CapacityCurve:
+def capacity_curve(assembly: Assembly, joints: Joints, loads: BlockLoads, options: CurveOptions | None = None) -> CapacityCurve:
     """Follow the mechanism of a structure until its load factor vanishes.
 
     Args:
@@ -134,7 +134,7 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
 class _Path:
     """A curve while it is followed."""
 
-    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions) -> None:
+    def __init__(self, assembly: Assembly, joints: Joints, loads: BlockLoads, options: CurveOptions) -> None:
         self.begin, self.options, self.width = time.perf_counter(), options, assembly.width
         self.make = Stages(assembly, joints, loads, options.analysis, options.mechanism)
         try:
@@ -175,16 +175,16 @@ class _Path:
             seconds=time.perf_counter() - self.begin,
         )
 
-    def _passes(self, last: Stage, found: Stage, used: float) -> bool:
+    def _passes(self, last: CurveStage, found: CurveStage, used: float) -> bool:
         """Return True if a stage is left at once for one that bears more: contacts that had parted close again."""
         first = len(self.stages) == 1 or len(self.stages) - 1 in self.jumps
         return not first and used <= PASSING * self.width and found.factor > (1.0 + RISES) * last.factor
 
-    def displacement(self, stage: Stage) -> float:
+    def displacement(self, stage: CurveStage) -> float:
         """Return the displacement of the control point [m]."""
         return float((stage.assembly.centre[self.control.block] - self.control.point) @ self.control.direction)
 
-    def _next(self, last: Stage, amount: float) -> tuple[Stage | None, float, str]:
+    def _next(self, last: CurveStage, amount: float) -> tuple[CurveStage | None, float, str]:
         """The stage a step later, how far the fastest corner goes to it [m], and why the curve ends there, if it does."""
         self.make.wear(last)
         moving = last.motion()
@@ -216,7 +216,7 @@ class _Path:
                 high, above = middle, best.factor
         return best, high, BELOW
 
-    def _passed(self, last: Stage, moving: FollowedMotion, used: float) -> tuple[Stage | None, float, str]:
+    def _passed(self, last: CurveStage, moving: FollowedMotion, used: float) -> tuple[CurveStage | None, float, str]:
         """Where no factor is borne a step later: the last stage before, by halving, and the one after hinges have passed on."""
         best, high = edge(self.make, last, moving, used, borne_before=True)
         if best is not None:
@@ -228,7 +228,7 @@ class _Path:
             end = BELOW if found.factor <= 0.0 else ""
         return found, high, end
 
-    def _enough(self, found: Stage) -> str:
+    def _enough(self, found: CurveStage) -> str:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
             return f"the control displacement of {length(self.options.limit)} is reached"
@@ -243,7 +243,7 @@ class _Path:
         gone = self.stages[last].assembly.centre - self.stages[first].assembly.centre
         return float(np.linalg.norm(gone, axis=1).max())
 
-    def _amount(self, last: Stage, found: Stage, used: float, amount: float) -> float:
+    def _amount(self, last: CurveStage, found: CurveStage, used: float, amount: float) -> float:
         """The next step [m], so that about as many are made as asked."""
         amount = max(min(amount, MORE * used), LEAST * self.width)  # where blocks met, they soon meet again
         slope = (found.factor - last.factor) / used
@@ -270,7 +270,7 @@ class _Path:
             out.append(f"the solver stopped before it met its tolerance in {self.make.stopped} limit analyses on the way")
         return tuple(out)
 
-    def _control(self, first: Stage) -> Control:
+    def _control(self, first: CurveStage) -> Control:
         """The block asked for, or the one that moves fastest along the load."""
         live = first.loads.live[:, :3].sum(axis=0)
         velocity = first.mechanism.velocity[:, :3]

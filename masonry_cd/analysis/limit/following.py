@@ -42,7 +42,7 @@ BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class KeptConstraints:
     """Constraints of a step: N points at which ``rows`` times the shift between the two blocks stays zero, and the lengths of T ties."""
 
     bodies: np.ndarray  # (N, 2)
@@ -61,9 +61,9 @@ class FollowedMotion:
     start: Placement
     velocity: np.ndarray  # (B, 6), the largest of any corner is one
     body: np.ndarray  # (B,) body of each block, -1 of the blocks that do not move
-    kept: Kept
-    bearing: Kept  # of the points that bear only
-    yielding: Kept  # and those that open, on the faces on which they slide once they give way
+    kept: KeptConstraints
+    bearing: KeptConstraints  # of the points that bear only
+    yielding: KeptConstraints  # and those that open, on the faces on which they slide once they give way
     resistance: Resistance  # of these
     size: float  # [m]
     columns: np.ndarray  # of (v, w) in which blocks may move
@@ -78,7 +78,7 @@ class FollowedMotion:
         return self._yielded(moved, amount)
 
     @cached_property
-    def held(self) -> Kept | None:
+    def held(self) -> KeptConstraints | None:
         """Return the constraints that a short step can keep: all, or those that bear; None where contacts have to give way."""
         amount = SHORT * self.size
         for kept in (self.kept, self.bearing):
@@ -102,7 +102,7 @@ class FollowedMotion:
         gone += self.size * np.linalg.norm(end.rotation - self.start.rotation, axis=(1, 2))
         return float(gone.max(initial=0.0))
 
-    def _corrected(self, placement: Placement, kept: Kept) -> tuple[Placement, float]:
+    def _corrected(self, placement: Placement, kept: KeptConstraints) -> tuple[Placement, float]:
         """A placement with all that is kept, as far as that goes, and what is missed."""
         missed = np.inf
         for _ in range(ROUNDS):
@@ -153,7 +153,7 @@ class FollowedMotion:
         velocity[moving, :3] += np.cross(velocity[moving, 3:], placement.position[moving] - centres[self.body[moving]])
         return placement.along(velocity, 1.0)
 
-    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, csr_matrix, np.ndarray]:
+    def _equations(self, placement: Placement, kept: KeptConstraints) -> tuple[np.ndarray, csr_matrix, np.ndarray]:
         """Residuals (R,), their rows over the twists of the bodies, rotations over the size, and the centres of the bodies (M, 3)."""
         count = int(self.body.max(initial=-1)) + 1
         moving = self.body >= 0
@@ -246,11 +246,11 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     longer = np.sum(line * _at(placed, velocity, bars.blocks, bars.points), axis=1) / np.linalg.norm(line, axis=1)
     taut = (best.bars > BEARS) & (np.abs(longer) <= STILL)
 
-    def kept(rows: np.ndarray, keep: np.ndarray, carrier: np.ndarray) -> Kept:
+    def kept(rows: np.ndarray, keep: np.ndarray, carrier: np.ndarray) -> KeptConstraints:
         ends = points.bodies[keep]
         local = points.point[keep][:, None] - placed.centre[ends]
         arms = bars.points - placed.centre[bars.blocks]
-        return Kept(ends, local, rows[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
+        return KeptConstraints(ends, local, rows[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
 
     touching = body[points.bodies[:, 0]] != body[points.bodies[:, 1]]
     between = touching & ~lifted

@@ -25,7 +25,7 @@ SAME = 5e-3  # share by which numbers of mechanisms that say the same may differ
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundMechanism:
     """A mechanism that starts at a finite factor, alpha of its oscillator."""
 
     name: str  # as tables and pictures show it
@@ -39,17 +39,17 @@ class Found:
     stones: bool = False  # whether stones of one course slide by themselves: no mechanism of the part
 
 
-def found_in(part: FreedPart, source: str, optimum: Optimum, dilates: float, name: str = "") -> Found:
+def found_in(part: FreedPart, source: str, optimum: Optimum, dilates: float, name: str = "") -> FoundMechanism:
     """A mechanism of a part with its oscillator; ``name`` is that of practice, and without one its joints name it."""
     assembly, joints = part.assembly, part.whole.joints
     moves = _within(mechanism(part.problem, assembly, joints, optimum.velocity), part)
     called, stones = named(moves, part.whole, part.free, name)
     made, height = oscillator(part, moves, optimum.factor, dilates), held_at(moves, assembly, joints)
     how = source + (STOPPED if optimum.stopped else "")
-    return Found(called, how, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
+    return FoundMechanism(called, how, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
 
 
-def alike(one: Found, other: Found) -> bool:
+def alike(one: FoundMechanism, other: FoundMechanism) -> bool:
     """True of one mechanism that was found twice in the same way."""
     near = abs(one.oscillator.alpha - other.oscillator.alpha) <= ALIKE * abs(other.oscillator.alpha)
     if one.mechanism is None or other.mechanism is None:
@@ -57,7 +57,7 @@ def alike(one: Found, other: Found) -> bool:
     return one.source == other.source and near and bool(np.array_equal(one.mechanism.moving, other.mechanism.moving))
 
 
-def says_the_same(one: Found, other: Found) -> bool:
+def says_the_same(one: FoundMechanism, other: FoundMechanism) -> bool:
     """True where a check of one mechanism has the numbers of another, its displacement among them where the other has one."""
     mine, theirs = one.oscillator, other.oscillator
     pairs = [(mine.alpha, theirs.alpha), (mine.fraction, theirs.fraction), (1.0 + one.height, 1.0 + other.height)]
@@ -66,7 +66,7 @@ def says_the_same(one: Found, other: Found) -> bool:
     return one.moving == other.moving and all(abs(a - b) <= SAME * abs(b) for a, b in pairs)
 
 
-def grave(found: Sequence[Found]) -> list[int]:
+def grave(found: Sequence[FoundMechanism]) -> list[int]:
     """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is asked for more."""
     out: list[int] = []
     highest = -math.inf
@@ -77,7 +77,7 @@ def grave(found: Sequence[Found]) -> list[int]:
     return out
 
 
-def gravest_followed(found: Sequence[Found], follow: Callable[[int, Found], Oscillator] | None) -> list[Found]:
+def gravest_followed(found: Sequence[FoundMechanism], follow: Callable[[int, FoundMechanism], Oscillator] | None) -> list[FoundMechanism]:
     """Mechanisms, the least acceleration first, of which the gravest and that of least factor alone keep their velocities.
 
     The gravest get the oscillator that ``follow`` gives of the k-th, with its displacements; None follows none.

@@ -13,24 +13,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.analysis import LimitOptions
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.found import FoundMechanism
 from masonry_cd.analysis.limit.mechanism import Mechanism
 from masonry_cd.analysis.limit.oscillator import BY_LINKAGE, Oscillator, bodies_of, oscillator
 from masonry_cd.analysis.limit.part import FreedPart
-from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
+from masonry_cd.analysis.limit.problem import Arms, Bars, BlockLoads
 from masonry_cd.analysis.limit.solution import Unbounded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
-from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
+from masonry_cd.mechanics.model.blocks import Assembly, Block, ConvexShapes
 from masonry_cd.mechanics.model.geometry import Faces
 from masonry_cd.mechanics.model.joint_laws import crushing, joint_table
 
 AT_ONCE = 1e-9  # share of the last displacement at which the friction of interlock is gone
 
 
-def with_displacements(part: FreedPart, one: Found, seed: int) -> Oscillator:
+def with_displacements(part: FreedPart, one: FoundMechanism, seed: int) -> Oscillator:
     """The oscillator of a mechanism of a part with the displacements at which its factor falls; or with the reason why none is known."""
     made, moves = one.oscillator, one.mechanism
     if made.doubt or moves is None:
@@ -75,7 +75,7 @@ def followed(part: FreedPart, moves: Mechanism, seed: int) -> CapacityCurve:
     velocity = np.zeros((assembly.count, 6))
     velocity[: len(rate)] = rate
     fastest = int(np.argmax(rate[:, :3] @ part.push))
-    how = CurveOptions(Options(starts=1, seed=seed), control=fastest, mechanism=velocity)
+    how = CurveOptions(LimitOptions(starts=1, seed=seed), control=fastest, mechanism=velocity)
     curve = capacity_curve(assembly, find_joints(assembly), loads, how)
     return replace(curve, control=replace(curve.control, block=int(np.flatnonzero(body == fastest)[0])))
 
@@ -117,7 +117,7 @@ def _assembly(part: FreedPart, body: np.ndarray, kept: np.ndarray) -> Assembly:
         blocks=blocks, names=names, groups=names, group_of=np.arange(len(blocks)), fixed=fixed, support_of=np.where(fixed, 0, -1),
         mass=mass, inertia=np.array([mass[k] * np.eye(3) for k in range(len(blocks))]), centre=centre,
         volume=np.array([old.volume[own].sum() for own in members]), friction=friction, rolling=np.zeros_like(friction),
-        restitution=np.zeros_like(friction), laws=joint_table({}, names, friction), shapes=Shapes.of(blocks, centre),
+        restitution=np.zeros_like(friction), laws=joint_table({}, names, friction), shapes=ConvexShapes.of(blocks, centre),
     )  # fmt: skip
 
 
@@ -146,7 +146,7 @@ def _friction(part: FreedPart, owner: np.ndarray, count: int) -> np.ndarray:
     return np.where(np.isfinite(out), out, float(assembly.friction.min()))
 
 
-def _loads(part: FreedPart, body: np.ndarray, kept: np.ndarray, made: Assembly) -> Loads:
+def _loads(part: FreedPart, body: np.ndarray, kept: np.ndarray, made: Assembly) -> BlockLoads:
     """Return the loads that last to collapse, on the bodies."""
     old, count, whole = part.assembly, int(body.max()) + 1, part.whole
     moving = np.flatnonzero(body >= 0)
@@ -165,4 +165,4 @@ def _loads(part: FreedPart, body: np.ndarray, kept: np.ndarray, made: Assembly) 
     ends = owner[whole.bars.blocks]
     tied = (body[whole.bars.blocks] >= 0).any(axis=1) & (ends[:, 0] != ends[:, 1])
     bars = Bars(ends[tied], whole.bars.points[tied], whole.bars.strength[tied])
-    return Loads(dead, live, bars, None, moved)
+    return BlockLoads(dead, live, bars, None, moved)

@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import refuse_crushed, searched_finely
 from masonry_cd.analysis.limit.crushing import solved_finely
-from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, Found, alike, dilation, found_in, gravest_followed
+from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, FoundMechanism, alike, dilation, found_in, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.analysis.limit.outcome import SearchNumbers
@@ -46,7 +46,7 @@ class ElementAnalysis:
 
     element: MacroElement
     direction: np.ndarray
-    mechanisms: tuple[Found, ...]  # the least acceleration first; none of a part that is held
+    mechanisms: tuple[FoundMechanism, ...]  # the least acceleration first; none of a part that is held
     points: int  # contact points of the part
     interlock: float  # friction of bonded walls that holds it [N]
     remarks: tuple[str, ...]
@@ -82,7 +82,7 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
         remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
 
-    def follow(_: int, one: Found) -> Oscillator:
+    def follow(_: int, one: FoundMechanism) -> Oscillator:
         assert one.mechanism is not None
         moving = np.flatnonzero(one.mechanism.moving & ~whole.assembly.fixed)
         around = part_of(whole, resting(whole, np.union1d(element.blocks, moving)), way)
@@ -94,7 +94,7 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
     return ElementAnalysis(element, way, tuple(found), part.problem.points.count, part.interlock, tuple(remarks), numbers)
 
 
-def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> list[Found]:
+def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> list[FoundMechanism]:
     """From restrictions that differ in a height or an angle, the one of least factor without dilation, and of least associated factor."""
     least: list[tuple[Optimum, FreedPart, RigidGroups, Restriction]] = []
     upper: list[tuple[Optimum, FreedPart, RigidGroups, Restriction]] = []
@@ -117,7 +117,7 @@ def _least_of(whole: Whole, way: np.ndarray, made: Sequence[Restriction]) -> lis
     return out
 
 
-def _free(part: FreedPart, known: Sequence[Found], effort: Effort) -> tuple[list[Found], LeastFound | None]:
+def _free(part: FreedPart, known: Sequence[FoundMechanism], effort: Effort) -> tuple[list[FoundMechanism], LeastFound | None]:
     """The least mechanism block by block, from starts of its own and from mechanisms that are known."""
     problem = part.problem
     if problem.points.count > effort.most_points:
@@ -127,7 +127,7 @@ def _free(part: FreedPart, known: Sequence[Found], effort: Effort) -> tuple[list
     best, least = _searched(problem, (effort.starts, effort.seed), [one.velocity for one in first])
     ends = [] if least is None else sorted((end for end in least.ends if end.factor < HELD * MOST), key=lambda end: end.factor)
     upper = [(ASSOCIATED, best)] if best.factor < HELD * MOST else []
-    out: list[Found] = []
+    out: list[FoundMechanism] = []
     for source, optimum in [*((SEARCH, end) for end in ends), *upper]:
         made = found_in(part, source, optimum, dilation(problem, optimum))
         if not any(alike(made, other) for other in out):

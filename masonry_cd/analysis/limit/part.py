@@ -29,7 +29,7 @@ from scipy.spatial import ConvexHull
 from masonry_cd.analysis.limit.crushing import crushable
 from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
 from masonry_cd.analysis.limit.mechanism import BED
-from masonry_cd.analysis.limit.problem import Arms, Bars, LimitProblem, Loads, PointMasses, plane_of, problem_at
+from masonry_cd.analysis.limit.problem import Arms, Bars, BlockLoads, LimitProblem, PointMasses, plane_of, problem_at
 from masonry_cd.analysis.limit.rigid_groups import some_points
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
@@ -120,7 +120,7 @@ class FreedPart:
     free: np.ndarray  # (B,) bool
     problem: LimitProblem  # of the free blocks, block by block
     push: np.ndarray  # (3,) as large as gravity [m/s2]
-    loads: Loads  # with what floors and bonded walls add
+    loads: BlockLoads  # with what floors and bonded walls add
     beds: Bars  # friction in the beds of bonded walls, which are among the bars of the loads
 
     @property
@@ -165,7 +165,7 @@ def part_of(whole: Whole, free: np.ndarray, direction: np.ndarray) -> FreedPart:
     keep = free[whole.bars.blocks].any(axis=1)
     ties = Bars(whole.bars.blocks[keep], whole.bars.points[keep], whole.bars.strength[keep])
     own = replace(whole.arms, live=np.linalg.norm(whole.arms.live, axis=1, keepdims=True) * way)
-    loads = Loads(dead, live, _both(ties, beds), None, own.with_more(floors))
+    loads = BlockLoads(dead, live, _both(ties, beds), None, own.with_more(floors))
     axis = plane_of(assembly, loads)
     if axis is None:
         points = some_points(whole.points, touches[whole.points.joint])

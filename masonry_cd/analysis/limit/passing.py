@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from masonry_cd.analysis.limit.following import FollowedMotion
 from masonry_cd.analysis.limit.solution import Unbounded
-from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Moved, Stage, Stages
+from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, CurveStage, MovedBlocks, Stages
 
 FALLEN = 4.0  # displacement, as a share of the smallest width, after which blocks that have found no rest fall
 MOST = 60  # steps
@@ -28,7 +28,7 @@ STUCK = "beyond, no factor of the load is borne, and the blocks that begin to fa
 UNSETTLED = f"beyond, no factor of the load is borne, and blocks that begin to fall find no rest in {MOST} steps"
 
 
-def passed(make: Stages, moved: Moved) -> tuple[Stage | None, str]:
+def passed(make: Stages, moved: MovedBlocks) -> tuple[CurveStage | None, str]:
     """Where blocks come to rest that no factor of the load holds where they are; None where they do not, and why."""
     width = moved.assembly.width
     amount, gone = FIRST * width, 0.0
@@ -51,7 +51,7 @@ def passed(make: Stages, moved: Moved) -> tuple[Stage | None, str]:
     return None, UNSETTLED
 
 
-def borne(make: Stages, moved: Moved) -> Stage | None:
+def borne(make: Stages, moved: MovedBlocks) -> CurveStage | None:
     """The limit analysis of blocks where they are, None where no factor is borne."""
     try:
         return make.at(moved.assembly, moved.loads, moved.joints, moved.deepest)
@@ -59,7 +59,7 @@ def borne(make: Stages, moved: Moved) -> Stage | None:
         return None
 
 
-def edge(make: Stages, start: Stage, moving: FollowedMotion, reach: float, borne_before: bool) -> tuple[Stage | None, float]:
+def edge(make: Stages, start: CurveStage, moving: FollowedMotion, reach: float, borne_before: bool) -> tuple[CurveStage | None, float]:
     """Where in a step a factor ceases to be borne, or begins to be, by halving.
 
     Args:

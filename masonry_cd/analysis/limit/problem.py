@@ -94,7 +94,7 @@ class PointMasses:
 
 
 @dataclass(frozen=True, eq=False)
-class Loads:
+class BlockLoads:
     """Loads on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
 
     dead: np.ndarray  # (B, 6)
@@ -103,7 +103,7 @@ class Loads:
     support_velocity: np.ndarray | None = None  # (B, 3) of the supports, (B, 6) where they turn; then there are no live forces
     arms: Arms | None = None  # of the point loads among them; without it, moments stay what they are when blocks turn
 
-    def moved(self, centre: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> Loads:
+    def moved(self, centre: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> BlockLoads:
         """These loads [N, N m] on blocks that have moved from ``centre`` (B, 3) to ``position`` and turned by ``rotation`` (B, 3, 3)."""
         bars = self.bars
         local = bars.points - centre[bars.blocks]
@@ -193,13 +193,13 @@ class LimitProblem:
         return _columns(self.axis)
 
 
-def limit_problem(assembly: Assembly, joints: Joints, loads: Loads) -> LimitProblem:
+def limit_problem(assembly: Assembly, joints: Joints, loads: BlockLoads) -> LimitProblem:
     """Set up a limit analysis; it is planar where the structure and its loads are."""
     axis = plane_of(assembly, loads)
     return problem_at(assembly, interfaces(assembly, joints, axis), loads, axis)
 
 
-def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int | None) -> LimitProblem:
+def problem_at(assembly: Assembly, points: Interfaces, loads: BlockLoads, axis: int | None) -> LimitProblem:
     """Set up a limit analysis of forces at given points; ``axis`` is the normal of the plane, None in space."""
     free = np.flatnonzero(~assembly.fixed)
     weight = max(float(np.linalg.norm(loads.dead[free, :3], axis=1).mean()), 1e-300)
@@ -225,7 +225,7 @@ def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int |
     )  # fmt: skip
 
 
-def plane_of(assembly: Assembly, loads: Loads) -> int | None:
+def plane_of(assembly: Assembly, loads: BlockLoads) -> int | None:
     """Normal of the plane in which the structure moves under its loads, None where it needs space."""
     for axis in range(3):
         at = middle_plane(assembly, axis)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.analysis.limit.analysis import CAP, Collapse, NoFiniteFactor, Options, collapse_of, largest_factor
+from masonry_cd.analysis.limit.analysis import CAP, Collapse, LimitOptions, NoFiniteFactor, collapse_of, largest_factor
 from masonry_cd.analysis.limit.descent import normal_forces
 from masonry_cd.analysis.limit.following import LOCKED, FollowedMotion, motion
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.moved import moved_joints, touching_gap
-from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads, LimitProblem, plane_of, problem_at
 from masonry_cd.analysis.limit.programme import largest, least_unborne
 from masonry_cd.analysis.limit.search import close_to, ends_of, least_factor
 from masonry_cd.analysis.limit.solution import Optimum, Unbounded
@@ -34,11 +34,11 @@ FAR_ENOUGH = 0.5  # share of the way to where they overlap that a step goes at l
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class CurveStage:
     """A point of the curve: the blocks where they are, their joints there, and the mechanism that goes on."""
 
     assembly: Assembly
-    loads: Loads
+    loads: BlockLoads
     pulling: np.ndarray  # (T,) ties that are not slack
     joints: Joints
     problem: LimitProblem
@@ -68,11 +68,11 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class MovedBlocks:
     """Blocks a step after a stage, before their limit analysis."""
 
     assembly: Assembly
-    loads: Loads
+    loads: BlockLoads
     joints: Joints
     deepest: float  # overlap of any two blocks [m]
     locked: bool  # what is kept leaves them where they were
@@ -81,7 +81,9 @@ class Moved:
 class Stages:
     """Makes the stages of one structure, and remembers what their joints and ties have lost on the way."""
 
-    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: Options, mechanism: np.ndarray | None = None) -> None:
+    def __init__(
+        self, assembly: Assembly, joints: Joints, loads: BlockLoads, options: LimitOptions, mechanism: np.ndarray | None = None
+    ) -> None:
         self.options, self.axis, self.gap = options, plane_of(assembly, loads), touching_gap(assembly)
         self._bonded = {(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)}
         self._rest = _lengths(loads.bars)
@@ -91,7 +93,7 @@ class Stages:
         self.stopped = 0  # programmes whose solver ended before its tolerance
         self.uncorrected = 0  # steps tried in which no contacts could be made to give way
 
-    def at(self, placed: Assembly, loads: Loads, joints: Joints, deepest: float = 0.0) -> Stage:
+    def at(self, placed: Assembly, loads: BlockLoads, joints: Joints, deepest: float = 0.0) -> CurveStage:
         """The limit analysis of blocks where they are.
 
         Raises:
@@ -103,7 +105,7 @@ class Stages:
             known = self._followed(problem, placed)
             if known is not None:
                 moves = mechanism(problem, placed, joints, known.velocity)
-                return Stage(placed, loads, pulling, joints, problem, known, moves, known.factor, deepest)
+                return CurveStage(placed, loads, pulling, joints, problem, known, moves, known.factor, deepest)
         best, _ = largest_factor(problem)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
@@ -111,7 +113,7 @@ class Stages:
             least = self._without_dilation(problem, best, bool((moves.sliding > STILL).any()))
             if least is not None:
                 best, moves = least, mechanism(problem, placed, joints, least.velocity)
-        return Stage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
+        return CurveStage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
 
     def _followed(self, problem: LimitProblem, placed: Assembly) -> Optimum | None:
         """The answer without dilation to which the mechanism of the stage before leads, None where it closes joints by now."""
@@ -151,7 +153,7 @@ class Stages:
         self.unsettled += slides and least is None
         return least if least is not None and (slides or least.factor < associated.factor) else None
 
-    def bears(self, moved: Moved) -> bool:
+    def bears(self, moved: MovedBlocks) -> bool:
         """Return True if any factor of the load is borne by blocks where they are."""
         try:
             largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1])
@@ -161,7 +163,7 @@ class Stages:
             return False
         return True
 
-    def falling(self, moved: Moved) -> Stage:
+    def falling(self, moved: MovedBlocks) -> CurveStage:
         """Blocks that no factor holds, with the forces that leave least unborne and how the blocks begin to fall.
 
         Raises:
@@ -170,9 +172,9 @@ class Stages:
         pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
         best = least_unborne(problem)
         moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
-        return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
+        return CurveStage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
 
-    def _problem(self, placed: Assembly, loads: Loads, joints: Joints) -> tuple[np.ndarray, LimitProblem]:
+    def _problem(self, placed: Assembly, loads: BlockLoads, joints: Joints) -> tuple[np.ndarray, LimitProblem]:
         """Which ties pull (T,), and the limit analysis of blocks where they are."""
         pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
         points = interfaces(placed, joints, self.axis)
@@ -180,12 +182,12 @@ class Stages:
         points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
         return pulling, problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
 
-    def wear(self, stage: Stage) -> None:
+    def wear(self, stage: CurveStage) -> None:
         """Take away what the mechanism of a stage costs as soon as it moves: the bond of the joints at work."""
         worked = np.flatnonzero(stage.mechanism.state > 0)
         self._bonded -= {(int(stage.joints.block_a[j]), int(stage.joints.block_b[j])) for j in worked}
 
-    def accept(self, stage: Stage) -> None:
+    def accept(self, stage: CurveStage) -> None:
         """Take a stage into the curve: ties that have yielded stay as long as they are, and where it slides, so may the next."""
         self._rest = np.maximum(self._rest, _lengths(stage.loads.bars))
         if self._follows is not None:
@@ -196,7 +198,7 @@ class Stages:
                 key = frozenset(map(int, pair))
                 self._slid[key] = self._slid.get(key, 0.0) + float(max(force, 0.0))
 
-    def step(self, stage: Stage, motion: FollowedMotion, amount: float) -> tuple[Moved, float]:
+    def step(self, stage: CurveStage, motion: FollowedMotion, amount: float) -> tuple[MovedBlocks, float]:
         """The blocks when the fastest corner has gone ``amount`` [m], or less where blocks meet before; and how far it has gone."""
         moved, least = self._moved(stage, motion, amount), stage.deepest
         if moved.deepest <= least + self.gap:
@@ -217,13 +219,13 @@ class Stages:
                 return over, high  # no motion of that length makes such an overlap: a contact that was too narrow to be found
         return (best, low) if best is not None else (moved, 0.0)
 
-    def _moved(self, stage: Stage, motion: FollowedMotion, amount: float) -> Moved:
+    def _moved(self, stage: CurveStage, motion: FollowedMotion, amount: float) -> MovedBlocks:
         end, missed = motion.follow(amount)
         self.uncorrected += math.isinf(missed)
         placed = stage.assembly.placed(end.position, end.rotation)
         found = moved_joints(placed, self.gap)
         loads = stage.loads.moved(stage.assembly.centre, end.position, end.rotation)
-        return Moved(placed, loads, found.joints, found.deepest, motion.progress(end) < LOCKED * amount)
+        return MovedBlocks(placed, loads, found.joints, found.deepest, motion.progress(end) < LOCKED * amount)
 
 
 def _share(low: float, deep: list[tuple[float, float]], gap: float, unseen: float, k: int) -> float:

@@ -29,7 +29,7 @@ from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 
 from masonry_cd.analysis.limit.analysis import STANDS
 from masonry_cd.analysis.limit.crushing import solved_finely
-from masonry_cd.analysis.limit.found import ASSOCIATED, Found, dilation, found_in
+from masonry_cd.analysis.limit.found import ASSOCIATED, FoundMechanism, dilation, found_in
 from masonry_cd.analysis.limit.macro import HELD, MOST
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.part import FreedPart, Whole, part_of
@@ -68,7 +68,7 @@ class Candidates:
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class EarlyMechanism:
     """A mechanism that starts too early."""
 
     words: str  # which, of what and under which push
@@ -82,7 +82,7 @@ class Cut:
 class OutOfReach(ValueError):
     """Raised where the candidates at their largest force leave a mechanism below what is asked; ``cut`` is that mechanism."""
 
-    def __init__(self, cut: Cut, most: float) -> None:
+    def __init__(self, cut: EarlyMechanism, most: float) -> None:
         super().__init__(cut.words)
         self.cut, self.most = cut, most
 
@@ -97,14 +97,16 @@ class Least:
     one_more: float  # cost of one per cent more of the target
 
 
-def cut_of(candidates: Candidates, assembly: Assembly, found: Found, force: np.ndarray, asked: float, words: str) -> Cut:
+def cut_of(
+    candidates: Candidates, assembly: Assembly, found: FoundMechanism, force: np.ndarray, asked: float, words: str
+) -> EarlyMechanism:
     """The cut of a mechanism that was found with ties of yield forces (N,)."""
     assert found.mechanism is not None
     worth = candidates.growth(assembly, found.mechanism.velocity) / found.oscillator.first
-    return Cut(words, found.oscillator.alpha - float(worth @ force), worth, asked, dilates=found.source.startswith(ASSOCIATED))
+    return EarlyMechanism(words, found.oscillator.alpha - float(worth @ force), worth, asked, dilates=found.source.startswith(ASSOCIATED))
 
 
-def least_forces(candidates: Candidates, cuts: Sequence[Cut], fewest: bool = False) -> Least:
+def least_forces(candidates: Candidates, cuts: Sequence[EarlyMechanism], fewest: bool = False) -> Least:
     """The yield forces of least cost for some cuts.
 
     Args:
@@ -144,7 +146,7 @@ def least_forces(candidates: Candidates, cuts: Sequence[Cut], fewest: bool = Fal
     return Least(force, candidates.cost(force), worth, 0.01 * float(multiplier @ of_target))
 
 
-def associated(whole: Whole, free: np.ndarray, way: np.ndarray) -> Found | None:
+def associated(whole: Whole, free: np.ndarray, way: np.ndarray) -> FoundMechanism | None:
     """The associated mechanism of free blocks (B,) under a push along a direction (3,), all else held; None of what is held.
 
     Raises:
@@ -157,7 +159,9 @@ def associated(whole: Whole, free: np.ndarray, way: np.ndarray) -> Found | None:
     return found_in(replace(part, problem=problem), ASSOCIATED, best, dilation(problem, best))
 
 
-def falling(candidates: Candidates, whole: Whole, free: np.ndarray, way: np.ndarray, force: np.ndarray, words: str) -> Cut | None:
+def falling(
+    candidates: Candidates, whole: Whole, free: np.ndarray, way: np.ndarray, force: np.ndarray, words: str
+) -> EarlyMechanism | None:
     """The cut of the mechanism by which free blocks (B,) fall under the dead loads, with ties of yield forces (N,); None where they stand.
 
     Raises:
@@ -170,4 +174,4 @@ def falling(candidates: Candidates, whole: Whole, free: np.ndarray, way: np.ndar
     velocity = mechanism(problem, part.assembly, whole.joints, best.velocity).velocity
     power = float(np.sum(part.loads.dead[free] * velocity[free]))
     worth = candidates.growth(whole.assembly, velocity) / power
-    return Cut(words, best.factor - float(worth @ force), worth, 1.0, of_target=False)
+    return EarlyMechanism(words, best.factor - float(worth @ force), worth, 1.0, of_target=False)

@@ -58,7 +58,7 @@ class MeasuredMode:
 
 
 @dataclass(frozen=True)
-class Pair:
+class ModePair:
     """A measured mode next to the computed one that answers to it."""
 
     measured_mode: int
@@ -202,7 +202,7 @@ def mac_table(modes: Modes, measured: Sequence[MeasuredMode]) -> np.ndarray:
     return out
 
 
-def pair(modes: Modes, measured: Sequence[MeasuredMode]) -> list[Pair]:
+def pair(modes: Modes, measured: Sequence[MeasuredMode]) -> list[ModePair]:
     """Pair measured modes with computed ones; see the head of this file."""
     table = mac_table(modes, measured)
     shaped = [row for row, mode in enumerate(measured) if mode.has_shape]
@@ -217,9 +217,9 @@ def pair(modes: Modes, measured: Sequence[MeasuredMode]) -> list[Pair]:
     for row, mode in enumerate(measured):
         column = partner.get(row)
         if column is None:
-            out.append(Pair(mode.mode, mode.frequency, None, math.nan, math.nan))
+            out.append(ModePair(mode.mode, mode.frequency, None, math.nan, math.nan))
         else:
-            out.append(Pair(mode.mode, mode.frequency, column + 1, float(modes.frequencies[column]), float(table[row, column])))
+            out.append(ModePair(mode.mode, mode.frequency, column + 1, float(modes.frequencies[column]), float(table[row, column])))
     return out
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.modal.shapes import Shapes
+from masonry_cd.analysis.modal.shapes import ModeShapes
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.footings import Footings
@@ -41,7 +41,7 @@ class Modes:
     points: np.ndarray  # (P, 3) centroids of the free blocks [m]
     names: tuple[str, ...]  # of these blocks
     shapes: np.ndarray  # (n, P, 3) displacements there; the largest of a mode anywhere is 1
-    field: Shapes  # displacements at other points, see Shapes.at, in the same scale
+    field: ModeShapes  # displacements at other points, see Shapes.at, in the same scale
     facts: Mapping[str, Any]  # size of the model, time taken
 
     @property

@@ -24,7 +24,7 @@ class Skin:
     edges: np.ndarray  # (E, 2)
 
 
-class Shapes(Protocol):
+class ModeShapes(Protocol):
     """n mode shapes of one model."""
 
     def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -33,7 +33,7 @@ class Shapes(Protocol):
     def skin(self) -> Skin:
         """The surface that pictures draw."""
 
-    def scaled(self, factors: np.ndarray) -> Shapes:
+    def scaled(self, factors: np.ndarray) -> ModeShapes:
         """Each mode multiplied by a factor, (n,)."""
 
 

@@ -23,7 +23,7 @@ from masonry_cd.analysis.damage.joint_damage import (
     shock_rows,
 )
 from masonry_cd.analysis.damage.macro_elements import can_be_graded
-from masonry_cd.analysis.damage.part_damage import PartDamage, Row, Settings, part_damage
+from masonry_cd.analysis.damage.part_damage import DamageSettings, PartDamage, Row, part_damage
 from masonry_cd.analysis.damage.stones import cracked_stones
 from masonry_cd.analysis.damage.verdict import checks_of
 from masonry_cd.analysis.deformed import Solids, base_at, solids_of
@@ -38,7 +38,7 @@ class Measured:
     """A run, and what counts as damage."""
 
     results: Results
-    settings: Settings = field(default_factory=Settings)
+    settings: DamageSettings = field(default_factory=DamageSettings)
     summary: Summary = field(default_factory=Summary)  # as far as it is known
     known: PartDamage | None = None  # the damage by part with a history of its own, where that is there already
 

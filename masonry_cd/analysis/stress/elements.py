@@ -17,7 +17,7 @@ from masonry_cd.analysis.stress.peaks import AT_ONCE, NOTHING, Largest, principa
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.block_arrays import Meshes
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_tables import ElementStress
+from masonry_cd.io.summary_tables import ElementStressSummary
 
 COLUMNS = (
     "block", "element", "x", "y", "z", "volume", "max_compression", "max_compression_time", "max_tension", "max_tension_time",
@@ -116,7 +116,7 @@ def element_columns(results: Results, peaks: ElementPeaks) -> dict[str, Any]:
     return dict(zip(COLUMNS, values, strict=True))
 
 
-def element_summary(results: Results, peaks: ElementPeaks | None) -> ElementStress | None:
+def element_summary(results: Results, peaks: ElementPeaks | None) -> ElementStressSummary | None:
     """The share of the elements in summary.json; None where there are none, and in a run without a step."""
     if peaks is None or not np.isfinite(peaks.compression).any():
         return None
@@ -129,7 +129,7 @@ def element_summary(results: Results, peaks: ElementPeaks | None) -> ElementStre
         named = tuple(names[b] for b in worst[:NAMED])
         more = {"compared": int(compared.sum()), "ratio_max": float(np.nanmax(peaks.ratio))}
         more |= {"above": len(above), "blocks_above": len(worst), "blocks_above_names": named}
-    return ElementStress(
+    return ElementStressSummary(
         count=len(peaks.block),
         compression_max=float(peaks.compression[pressed]),
         compression_max_block=names[peaks.block[pressed]],

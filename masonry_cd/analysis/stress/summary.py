@@ -11,12 +11,12 @@ from masonry_cd.analysis.stress.elements import element_peaks, element_summary
 from masonry_cd.analysis.stress.peaks import StressPeaks
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
-from masonry_cd.io.summary_tables import ElementStress, RunStress, Strength, StressPeak
+from masonry_cd.io.summary_tables import ElementStressSummary, Strength, StressPeak, StressSummary
 
 NAMED = 5  # blocks and joints that the summary names at most
 
 
-def stress_summary(results: Results, peaks: StressPeaks) -> RunStress | None:
+def stress_summary(results: Results, peaks: StressPeaks) -> StressSummary | None:
     """The share of stress in summary.json; None for a run without a step."""
     if not np.isfinite(peaks.compression).any():
         return None
@@ -31,7 +31,7 @@ def stress_summary(results: Results, peaks: StressPeaks) -> RunStress | None:
         more["strength"] = _against_strength(results, peaks)
     if elements := element_summary(results, element_peaks(results)):
         more["elements"] = elements
-    return RunStress(
+    return StressSummary(
         interval=peaks.interval,
         compression_max=float(peaks.compression[block]),
         compression_max_block=names[block],
@@ -64,7 +64,7 @@ def _against_strength(results: Results, peaks: StressPeaks) -> Strength:
     )
 
 
-def stress_lines(found: RunStress) -> list[str]:
+def stress_lines(found: StressSummary) -> list[str]:
     """Lines that report the stress of a run, made from the table ``stress`` of its summary."""
     lines = [
         f"stress, means over the {length(found.interval, 's')} between frames: largest compression of a block "
@@ -90,7 +90,7 @@ def _pulled(found: StressPeak) -> str:
     return f", largest tension {pressure(found.tension_max)} in {found.tension_max_block}" if found.tension_max > 0.0 else ""
 
 
-def _element_line(found: ElementStress) -> str:
+def _element_line(found: ElementStressSummary) -> str:
     """A line that reports the largest stresses of the elements of meshed blocks, and how many lie above their strength."""
     above = ""
     if found.compared is not None:

@@ -22,7 +22,7 @@ from masonry_cd.foundation.extras import require
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Block
-    from structures import Made
+    from structures import MadeStructure
     from structures.geometry.checks import Unsound
     from structures.kind import DrawnPlan
 
@@ -101,7 +101,7 @@ def repairs(asked: Iterable[str]) -> list[str]:
     return changes
 
 
-def _doubts(scene: Scene, made: Made) -> list[str]:
+def _doubts(scene: Scene, made: MadeStructure) -> list[str]:
     """Walls that do not stand under their fill, and values that are likely not what is wanted."""
     from masonry_cd.app.case import assembled
     from masonry_cd.app.doubts import structure_doubts
@@ -110,7 +110,7 @@ def _doubts(scene: Scene, made: Made) -> list[str]:
     return [*leaning, *structure_doubts(scene, made.blocks)]
 
 
-def _write_blocks(made: Made, folder: Path, formats: Sequence[str]) -> tuple[list[Path], list[str]]:
+def _write_blocks(made: MadeStructure, folder: Path, formats: Sequence[str]) -> tuple[list[Path], list[str]]:
     """Write blocks and fills; return the files, and a line where fill cannot be put back from them."""
     from structures.files import blockfile, fillfile, meshfile
 
@@ -128,7 +128,7 @@ def _write_blocks(made: Made, folder: Path, formats: Sequence[str]) -> tuple[lis
     return [*written, folder / fillfile.FILL_FILE], lines
 
 
-def _draw(scene: Scene, made: Made, folder: Path, picture: bool) -> list[Path]:
+def _draw(scene: Scene, made: MadeStructure, folder: Path, picture: bool) -> list[Path]:
     """Draw structure.png where it is asked for."""
     if not picture:
         return []

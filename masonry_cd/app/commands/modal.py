@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
+from masonry_cd.analysis.modal.measured_modes import MeasuredMode, ModePair, fit_factor, mac, pair, read_measured
 from masonry_cd.analysis.modal.modes import METHODS, Modes
 from masonry_cd.analysis.modal.modes import modal as modes_of
 from masonry_cd.analysis.outputs.folders import files_of
@@ -33,7 +33,7 @@ from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
 from masonry_cd.mechanics.model.materials import Material
 
 if TYPE_CHECKING:
-    from masonry_cd.app.case import Structure
+    from masonry_cd.app.case import BuiltStructure
     from masonry_cd.app.scene import Scene
     from masonry_cd.mechanics.model.footings import Footings
 
@@ -93,11 +93,11 @@ class ModalOptions(BaseModel):
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ModelComparison:
     """The modes of one model next to the measured ones."""
 
     modes: Modes
-    pairs: tuple[Pair, ...] = ()
+    pairs: tuple[ModePair, ...] = ()
     factor: float = 1.0  # on the modulus given, from the fit
 
 
@@ -145,7 +145,7 @@ def modal(
     asked, stiffness = _of_masonry(asked, blocks, material, footings)
     methods = METHODS if asked.method == "both" else (asked.method,)
     results = [_result(blocks, method, asked, measured, stiffness, footings) for method in methods]
-    results = [results[0], *(Model(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
+    results = [results[0], *(ModelComparison(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
     out = _summary(title, results, table)
@@ -155,7 +155,7 @@ def modal(
     return Result(out, out["lines"], out["warnings"], written)
 
 
-def _on_ground(scene: Scene, asked: ModalOptions, structure: Structure) -> tuple[ModalOptions, Structure, list[str]]:
+def _on_ground(scene: Scene, asked: ModalOptions, structure: BuiltStructure) -> tuple[ModalOptions, BuiltStructure, list[str]]:
     """Return the options of a scene whose supports stand on ground, its structure with footings, and a line on the model left out.
 
     Raises:
@@ -198,7 +198,7 @@ def _result(
     measured: Sequence[MeasuredMode],
     stiffness: JointStiffness | None,
     footings: Footings | None,
-) -> Model:
+) -> ModelComparison:
     """Compute one model, fit it where asked, and pair it with what was measured; ``stiffness`` of the joints where it is not by E."""
     spare = 4 if any(mode.has_shape for mode in measured) else 0  # a measured mode may answer to a higher one
     modes = modes_of(
@@ -214,7 +214,7 @@ def _result(
     )
     factor = fit_factor(modes, measured) if asked.fit else 1.0
     modes = modes.scaled(factor) if asked.fit else modes
-    return Model(modes, tuple(pair(modes, measured)), factor)
+    return ModelComparison(modes, tuple(pair(modes, measured)), factor)
 
 
 def _turned_like(modes: Modes, other: Modes) -> Modes:
@@ -242,7 +242,7 @@ def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], ask
     return rows
 
 
-def _summary(title: str, results: Sequence[Model], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _summary(title: str, results: Sequence[ModelComparison], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the contents of modal.json."""
     from masonry_cd import __version__
 
@@ -257,7 +257,7 @@ def _summary(title: str, results: Sequence[Model], table: Sequence[Mapping[str, 
     return out
 
 
-def _model(result: Model) -> dict[str, Any]:
+def _model(result: ModelComparison) -> dict[str, Any]:
     """One model in numbers."""
     modes = result.modes
     young = dict(modes.young) if isinstance(modes.young, Mapping) else modes.young
@@ -273,7 +273,7 @@ def _model(result: Model) -> dict[str, Any]:
     }
 
 
-def _pair(p: Pair) -> dict[str, Any]:
+def _pair(p: ModePair) -> dict[str, Any]:
     known = p.mode is not None
     return {
         "measured_mode": p.measured_mode,
@@ -285,7 +285,7 @@ def _pair(p: Pair) -> dict[str, Any]:
     }
 
 
-def _lines(result: Model) -> list[str]:
+def _lines(result: ModelComparison) -> list[str]:
     """The modes as text."""
     modes = result.modes
     young = f"{modes.young / 1e9:.4g} GPa" if isinstance(modes.young, (int, float)) else "by group"
@@ -307,7 +307,7 @@ def _signed(percent: float) -> str:
     return f"{round(percent, 1) + 0.0:+.1f}"
 
 
-def _warnings(result: Model) -> list[str]:
+def _warnings(result: ModelComparison) -> list[str]:
     """Doubtful pairs, and motions that nothing holds."""
     lines = []
     if result.modes.facts["rigid_motions"]:
@@ -324,7 +324,9 @@ def _warnings(result: Model) -> list[str]:
     return lines
 
 
-def _write(results: Sequence[Model], folder: Path, blocks: Sequence[Block], summary: dict[str, Any], asked: ModalOptions) -> list[Path]:
+def _write(
+    results: Sequence[ModelComparison], folder: Path, blocks: Sequence[Block], summary: dict[str, Any], asked: ModalOptions
+) -> list[Path]:
     """Write modal.json, the tables and the pictures into a folder, which is made if need be.
 
     Raises:
@@ -349,7 +351,7 @@ def _write(results: Sequence[Model], folder: Path, blocks: Sequence[Block], summ
     return [folder / name for name in OUTPUTS if (folder / name).exists()]
 
 
-def _rows(result: Model) -> list[dict[str, Any]]:
+def _rows(result: ModelComparison) -> list[dict[str, Any]]:
     """The rows of modal.csv."""
     modes, by_mode = result.modes, {p.mode: p for p in result.pairs}
     rows = []
@@ -382,7 +384,7 @@ def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
     return rows
 
 
-def _captions(result: Model) -> list[str]:
+def _captions(result: ModelComparison) -> list[str]:
     """The measured frequency of each mode, as text."""
     out = []
     for row in _rows(result):

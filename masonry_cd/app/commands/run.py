@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
+class RunRequest:
     """The options of a run."""
 
     force: bool = False  # overwrite the results that are there
@@ -34,9 +34,9 @@ class Asked:
     place: Callable[[Path], Scene] | None = None  # puts a scene that is in no file into the folder; called once all is checked
 
 
-def run(scene: Scene, folder: Path, asked: Asked | None = None, say: Say = silent) -> Result[Summary | None]:
+def run(scene: Scene, folder: Path, asked: RunRequest | None = None, say: Say = silent) -> Result[Summary | None]:
     """Compute a scene; see :func:`computed`."""
-    asked = asked or Asked()
+    asked = asked or RunRequest()
     free_folder(folder, RUN, asked.force or asked.resume)
     if asked.resume:
         checkpoint.require(folder / checkpoint.NAME)
@@ -46,7 +46,7 @@ def run(scene: Scene, folder: Path, asked: Asked | None = None, say: Say = silen
     return computed(prepare(scene), folder, asked, say)
 
 
-def computed(case: Case, folder: Path, asked: Asked, say: Say = silent) -> Result[Summary | None]:
+def computed(case: Case, folder: Path, asked: RunRequest, say: Say = silent) -> Result[Summary | None]:
     """Compute a case that is prepared, and write everything into a folder, which is made if need be.
 
     Args:

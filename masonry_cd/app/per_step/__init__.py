@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 
 
-class Made(NamedTuple):
+class MadeStep(NamedTuple):
     """A step that was made."""
 
     stepper: Stepper
@@ -28,7 +28,7 @@ class Made(NamedTuple):
 class Quantity:
     """A number of a step."""
 
-    value: Callable[[Made], float]
+    value: Callable[[MadeStep], float]
     meaning: str
     unit: str = ""
     whole: bool = False  # a count

@@ -15,7 +15,7 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.contact.motion import BodyMotion, part_reach
-from masonry_cd.mechanics.model.blocks import Shapes
+from masonry_cd.mechanics.model.blocks import ConvexShapes
 
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts
 
@@ -33,7 +33,7 @@ class Listing(NamedTuple):
         return cls(np.zeros((blocks, 3)), np.zeros((blocks, 3, 3)), np.full(parts, np.nan))
 
 
-def list_pairs(listing: Listing, shapes: Shapes, motion: BodyMotion, fixed: np.ndarray, skin: float) -> np.ndarray:
+def list_pairs(listing: Listing, shapes: ConvexShapes, motion: BodyMotion, fixed: np.ndarray, skin: float) -> np.ndarray:
     """Pairs (n, 2) of parts whose boxes overlap, sorted; those of two supports or of one block left out.
 
     Args:
@@ -90,7 +90,7 @@ def list_holds(listing, shapes, motion, origin):
 
 
 @entry()
-def grown_boxes(listing: Listing, shapes: Shapes, motion: BodyMotion, skin: float, boxes: np.ndarray) -> None:
+def grown_boxes(listing: Listing, shapes: ConvexShapes, motion: BodyMotion, skin: float, boxes: np.ndarray) -> None:
     """Fill ``boxes`` (P, 6) with low and high corners, grown by the allowances, filled too: skin and reach within the step [m]."""
     solids, allowance = shapes.solids, listing.allowance
     position, rotation, vertices = listing.position, listing.rotation, solids.vertices

@@ -35,7 +35,7 @@ from masonry_cd.mechanics.contact.pair_memory import APART, KEPT, SEARCHED, Pair
 from masonry_cd.mechanics.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.mechanics.contact.workspace import Workspace
 from masonry_cd.mechanics.linalg.threads import in_shares
-from masonry_cd.mechanics.model.blocks import Assembly, Shapes
+from masonry_cd.mechanics.model.blocks import Assembly, ConvexShapes
 from masonry_cd.mechanics.model.geometry import relative_pose
 
 ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
@@ -282,7 +282,7 @@ def effective_radius(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.where(np.minimum(first, second) > 0.0, first * second / np.maximum(first + second, 1e-300), np.maximum(first, second))
 
 
-def _most_corners(shapes: Shapes) -> np.ndarray:
+def _most_corners(shapes: ConvexShapes) -> np.ndarray:
     """Most corners of a face of each part, (P,); of a sphere what its contact with another may have points."""
     starts, out = shapes.solids.face_start, np.full(len(shapes.part_block), POINTS)
     flat = shapes.rounding == 0.0
@@ -297,7 +297,7 @@ def update_pairs(
     origin: np.ndarray,
     just_listed: bool,
     memory: PairMemory,
-    shapes: Shapes,
+    shapes: ConvexShapes,
     motion: BodyMotion,
     kind: np.ndarray,
     work: Workspace,
@@ -340,7 +340,7 @@ def update_pairs(
 
 @entry()
 def update_facet_pairs(
-    memory: PairMemory, shapes: Shapes, motion: BodyMotion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
+    memory: PairMemory, shapes: ConvexShapes, motion: BodyMotion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
 ) -> int:
     """As :func:`update_pairs`, for the pairs of which one part at least is meshed; apart, as those with spheres."""
     within = 0
@@ -356,7 +356,7 @@ def update_facet_pairs(
 
 @entry()
 def update_round_pairs(
-    memory: PairMemory, shapes: Shapes, motion: BodyMotion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
+    memory: PairMemory, shapes: ConvexShapes, motion: BodyMotion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
 ) -> int:
     """As :func:`update_pairs`, for the pairs of which one part at least is a sphere; ``arm`` (P,) of the rolling friction [m].
 

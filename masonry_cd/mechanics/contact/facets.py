@@ -21,7 +21,7 @@ import numpy as np
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.contact.manifold import SNAP, share_out
 from masonry_cd.mechanics.model.block_mesh import BlockMesh
-from masonry_cd.mechanics.model.blocks import Shapes
+from masonry_cd.mechanics.model.blocks import ConvexShapes
 from masonry_cd.mechanics.model.geometry import Polyhedra
 from masonry_cd.mechanics.model.polygon import clip_in_place
 
@@ -44,7 +44,7 @@ class Facets(NamedTuple):
         return cls(zero, zero, np.zeros((0, 3)))
 
     @classmethod
-    def of(cls, shapes: Shapes, meshes: tuple[BlockMesh, ...], of_block: np.ndarray) -> Facets:
+    def of(cls, shapes: ConvexShapes, meshes: tuple[BlockMesh, ...], of_block: np.ndarray) -> Facets:
         """Those of the parts of blocks with meshes ``of_block`` (B,), -1 for none."""
         solids, count = shapes.solids, np.zeros(len(shapes.solids.normals), dtype=np.int64)
         loops: list[np.ndarray] = []

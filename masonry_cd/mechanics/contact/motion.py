@@ -29,7 +29,7 @@ class BodyMotion(NamedTuple):
 def part_reach(motion, block, radius, size):
     """How far a part may go within the step, and its share of what counts as near: half the margin of a pair, or more [m].
 
-    ``radius`` and ``size`` are those of the part (:class:`masonry_cd.mechanics.model.blocks.Shapes`).
+    ``radius`` and ``size`` are those of the part (:class:`masonry_cd.mechanics.model.blocks.ConvexShapes`).
     """
     v = motion.velocity[block]
     speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + radius * np.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])

@@ -21,7 +21,7 @@ from masonry_cd.foundation.arrays import LARGEST, Stored
 from masonry_cd.foundation.jit import borrower
 from masonry_cd.mechanics.contact.motion import distance_moved
 from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, ROUND, UNKNOWN
-from masonry_cd.mechanics.model.blocks import Shapes
+from masonry_cd.mechanics.model.blocks import ConvexShapes
 from masonry_cd.mechanics.model.geometry import Polyhedra, inverse_row
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
@@ -127,7 +127,7 @@ class PairMemory(NamedTuple):
         return new
 
 
-def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes: Shapes, contacts: int) -> None:
+def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes: ConvexShapes, contacts: int) -> None:
     """Check what a checkpoint holds of pairs (P, 2), with room for ``capacity`` (P,) points each and some contacts in the last set,
     each of which one point is.
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.contact.manifold import Manifold
-from masonry_cd.mechanics.model.blocks import Shapes
+from masonry_cd.mechanics.model.blocks import ConvexShapes
 
 
 class Workspace(NamedTuple):
@@ -25,7 +25,7 @@ class Workspace(NamedTuple):
     unexplained: np.ndarray  # (3,) a pair with an overlap that no motion explains, or -1; its gap, and the least that is explained [m]
 
     @classmethod
-    def allocate(cls, shapes: Shapes, corners: int, more: int = 0) -> Workspace:
+    def allocate(cls, shapes: ConvexShapes, corners: int, more: int = 0) -> Workspace:
         """Room for parts, by the largest number of corners of a face, and for more points between facets."""
         manifold = Manifold.allocate(corners, more)
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
-from masonry_cd.mechanics.dynamics.local_error import PASSING, Change, base_drift, fastest, landing_gap, load_variation, step_error
+from masonry_cd.mechanics.dynamics.local_error import PASSING, VelocityChange, base_drift, fastest, landing_gap, load_variation, step_error
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.step_control import REPEAT, StepControl
@@ -54,7 +54,7 @@ class AdaptiveSteps:
         system = self.stepper.system
         pull = system.loads.acceleration
         self._steady = system.loads.forces is None and bool((pull == pull[0]).all())  # no load but shaking varies
-        self._last = Change(np.zeros((len(system.reach), 6)), np.zeros(3))
+        self._last = VelocityChange(np.zeros((len(system.reach), 6)), np.zeros(3))
 
     def step(self, room: int) -> AdaptedStep:
         """Make one step of at most ``room`` ticks.
@@ -69,7 +69,7 @@ class AdaptiveSteps:
             before = stepper.motion
             report = self._attempt(span)
             missed = report is None or not report.error <= stepper.settings.accepted
-            change = Change.over(stepper.system, before, stepper.motion)
+            change = VelocityChange.over(stepper.system, before, stepper.motion)
             error = np.inf if report is None else step_error(stepper.system, change, self._last)
             if report is not None:
                 seconds, iterations = seconds + report.seconds, iterations + report.iterations
@@ -94,7 +94,7 @@ class AdaptiveSteps:
                 raise
             return None
 
-    def _take(self, change: Change) -> None:
+    def _take(self, change: VelocityChange) -> None:
         """Remember the step that stands."""
         stepper = self.stepper
         span = stepper.motion.span
@@ -140,4 +140,4 @@ class AdaptiveSteps:
         """Take back what :meth:`snapshot` gave."""
         span, quiet, missed = arrays["control"].tolist()
         self.control = StepControl(self.control.longest, span, quiet, bool(missed))
-        self.drift, self._last = arrays["drift"], Change(arrays["last_blocks"], arrays["last_base"])
+        self.drift, self._last = arrays["drift"], VelocityChange(arrays["last_blocks"], arrays["last_base"])

@@ -47,7 +47,7 @@ def account(system: System, last: MotionState, made: StepProblem, impulse: np.nd
     predicted, loads, totals, begun = made.predicted, made.predicted.loads, dict(last.energy.totals), last.energy.begun
     elastic = NONE_ELASTIC if made.springs is None else made.springs.elastic
     before, after = Velocities(last.v, loads.support_before), Velocities(new.v, loads.support_after)
-    weights = Weights(system.free_mass, loads.acceleration, last.state.position, new.state.position, new.lifted)
+    weights = WorkWeights(system.free_mass, loads.acceleration, last.state.position, new.state.position, new.lifted)
     friction, impact, base, gravity, correction = works(made.rows, elastic, impulse, before, after, weights)
     if predicted.carried_impulse is not None:
         impact -= 0.5 * float(np.sum(predicted.carried_impulse * (last.v + new.v)))
@@ -89,7 +89,7 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
     totals["damping"] += work.taken - work.friction - work.bond - work.crushing - (work.after - elastic)
 
 
-class Weights(NamedTuple):
+class WorkWeights(NamedTuple):
     """Weights on which a body acceleration works: B blocks that have moved, lifted out of overlaps or not."""
 
     mass: np.ndarray  # (B,) [kg]; 0: a support
@@ -101,7 +101,7 @@ class Weights(NamedTuple):
 
 @entry()
 def works(
-    rows: ContactRows, elastic: np.ndarray, impulse: np.ndarray, before: Velocities, after: Velocities, weights: Weights
+    rows: ContactRows, elastic: np.ndarray, impulse: np.ndarray, before: Velocities, after: Velocities, weights: WorkWeights
 ) -> tuple[float, float, float, float, float]:
     """Return the losses of rigid contacts in friction and impacts, the work of the supports, of the weights, and of these in lifting [J].
 

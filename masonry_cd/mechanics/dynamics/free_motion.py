@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from masonry_cd.mechanics.dynamics.linked_bodies import Linked
 
 
-class Moved(NamedTuple):
+class MidpointPose(NamedTuple):
     """Where the blocks are at q_m and how they would move on, as the kernel writes it."""
 
     position: np.ndarray  # (B, 3) [m]
@@ -69,7 +69,7 @@ def predict(system: System, last: MotionState, loads: StepLoads) -> Prediction:
     state = State(now.time, now.position.copy(), now.orientation.copy(), now.velocity, now.strain)
     bodies, n = len(system.reach), system.unknowns
     rotation, inverse_mass, v_free = np.empty((len(momentum), 3, 3)), np.empty((bodies, n, n)), np.empty((bodies, n))
-    at_q_m = Moved(state.position, state.orientation, rotation, inverse_mass, v_free)
+    at_q_m = MidpointPose(state.position, state.orientation, rotation, inverse_mass, v_free)
     move_freely(blocks, state.velocity, momentum, loads.acceleration, h, system.settings.theta, at_q_m)
     free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions, last.yielded, rotation)
     if system.strains is not None:
@@ -181,7 +181,7 @@ def move_freely(
     acceleration: np.ndarray,
     step: float,
     theta: float,
-    moved: Moved,
+    moved: MidpointPose,
 ) -> None:
     """Move the blocks to q_m, from where they are in ``moved``, and fill M^-1 and the free velocities, see the head of this file.
 

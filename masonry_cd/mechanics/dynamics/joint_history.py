@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.mechanics.dynamics.bonds import BondMemory
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.mechanics.dynamics.crushing import book_crushing
-from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
+from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, LawSprings, bonded_area, load_springs, unload_springs
 from masonry_cd.mechanics.dynamics.softening import bounded, soften
 from masonry_cd.mechanics.dynamics.step_problem import SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.system import MotionState, System
@@ -27,7 +27,7 @@ AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the
 def with_springs(system: System, laws: JointLawArrays, last: MotionState, rigid: StepProblem, pairs: np.ndarray) -> StepProblem:
     """Give contacts of elastic and bonded joints their law in a problem of rigid contacts, found between pairs of parts (P, 2)."""
     loads, rows = rigid.predicted.loads, rigid.rows
-    springs = Springs.none(rigid.problem, _stiffness(system, rows, pairs))
+    springs = LawSprings.none(rigid.problem, _stiffness(system, rows, pairs))
     bonding = bonding_gap(system, last)
     load_springs(
         laws, rigid.found, rows, system.constants, rigid.predicted.rotation,

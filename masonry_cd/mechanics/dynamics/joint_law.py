@@ -87,7 +87,7 @@ class JointMemory(NamedTuple):
         return cls(np.zeros((k, 3)), np.zeros(k, dtype=np.bool_), np.zeros(k), np.zeros((k, 3)))
 
 
-class Springs(NamedTuple):
+class LawSprings(NamedTuple):
     """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
 
     area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
@@ -101,7 +101,7 @@ class Springs(NamedTuple):
     offset: np.ndarray  # (C, m) b [m/s]
 
     @classmethod
-    def none(cls, problem: FrictionProblem, stiffness: np.ndarray) -> Springs:
+    def none(cls, problem: FrictionProblem, stiffness: np.ndarray) -> LawSprings:
         """Contacts of a stiffness (C, 2) that are all rigid and dry, to be filled."""
         c, m = problem.contacts, problem.dimension
         off = np.zeros(c, dtype=np.bool_)
@@ -132,7 +132,7 @@ def load_springs(
     support_after: np.ndarray,
     memory: JointMemory,
     bonding: float,
-    springs: Springs,
+    springs: LawSprings,
 ) -> None:
     """Fill ``springs`` for the contacts whose law goes by area, see the head of this file.
 
@@ -291,7 +291,7 @@ def unload_springs(
     found: ContactSet,
     rows: ContactRows,
     constants: StepConstants,
-    springs: Springs,
+    springs: LawSprings,
     rotation: np.ndarray,
     after: Velocities,
     impulse: np.ndarray,

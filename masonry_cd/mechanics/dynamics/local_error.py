@@ -26,19 +26,19 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.dynamics.system import Loads, MotionState, System
+from masonry_cd.mechanics.dynamics.system import MotionState, RunLoads, System
 
 PASSING = 0.25  # share of the smallest width of any block by which none may move in one step
 
 
-class Change(NamedTuple):
+class VelocityChange(NamedTuple):
     """How velocities changed over a step."""
 
     blocks: np.ndarray  # (F, 6) of the free blocks [m/s2, rad/s2]
     base: np.ndarray  # (3,) of the first support [m/s2]
 
     @classmethod
-    def over(cls, system: System, before: MotionState, after: MotionState) -> Change:
+    def over(cls, system: System, before: MotionState, after: MotionState) -> VelocityChange:
         """Return the change over a step between two motions."""
         h = system.constants.step
         rate = (after.state.velocity - before.state.velocity) / h
@@ -46,7 +46,7 @@ class Change(NamedTuple):
         return cls(rate[system.free], base)
 
 
-def step_error(system: System, change: Change, last: Change) -> float:
+def step_error(system: System, change: VelocityChange, last: VelocityChange) -> float:
     """Local error of a step from its accelerations and those of the step before, see the head of this file [m]."""
     h = system.constants.step
     difference = change.blocks - last.blocks
@@ -66,7 +66,7 @@ def landing_gap(stepper: Stepper) -> float:
     return float(stepper.last.rows.gap[rigid][hit].max(initial=0.0))
 
 
-def base_drift(loads: Loads, tick: float, k: int, span: int) -> np.ndarray:
+def base_drift(loads: RunLoads, tick: float, k: int, span: int) -> np.ndarray:
     """How far supports are off after a step of ``span`` ticks from t_k on, (S, 3 or 6): over ticks less in one [m, rad]."""
     v = loads.support_velocity[k : k + span + 1]
     ends = v[0] + v[-1]

@@ -52,7 +52,7 @@ from masonry_cd.mechanics.dynamics.softening import solve_softening, split
 from masonry_cd.mechanics.dynamics.solving import Watch, solve
 from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import Solved, StepProblem
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, MotionState, StepLoads, System, plane_of
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, MotionState, RunLoads, StepLoads, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
@@ -142,7 +142,7 @@ class Stepper:
     ) -> None:
         keep_freed_memory()
         state = State.at_rest(assembly) if start is None else start.copy()
-        loads = Loads(support_velocity, acceleration, forces)
+        loads = RunLoads(support_velocity, acceleration, forces)
         plane = plane_of(assembly, state, settings, loads) if plane is None else plane
         self.assembly, self.settings, self.plane = assembly, settings, plane
         self.system = System.of(assembly, settings, loads, plane)

@@ -100,7 +100,7 @@ class Pauses:
 
 
 @dataclass(frozen=True)
-class Standing:
+class FallSigns:
     """Signs by which B blocks are known to have fallen."""
 
     height: np.ndarray  # (B,) of which a drop is a share [m]
@@ -108,10 +108,10 @@ class Standing:
     plan: np.ndarray  # (B, 2, 2) low and high x, y of the structure of each [m]
 
 
-def standing_of(assembly: Assembly) -> Standing:
+def standing_of(assembly: Assembly) -> FallSigns:
     """That of the blocks as built."""
     height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
-    return Standing(height, np.array([block.radius > 0.0 for block in assembly.blocks]), plans_of(assembly.blocks))
+    return FallSigns(height, np.array([block.radius > 0.0 for block in assembly.blocks]), plans_of(assembly.blocks))
 
 
 def plans_of(blocks: Sequence[Block]) -> np.ndarray:
@@ -130,7 +130,7 @@ def outside(plan: np.ndarray, place: np.ndarray) -> np.ndarray:
     return np.asarray(((place[:, :2] < plan[:, 0]) | (place[:, :2] > plan[:, 1])).any(axis=1))
 
 
-def fallen(assembly: Assembly, standing: Standing, state: State) -> np.ndarray:
+def fallen(assembly: Assembly, standing: FallSigns, state: State) -> np.ndarray:
     """(B,) True where a block has dropped or is turned, relative to the base, by more than DROP or TILT say.
 
     A sphere has fallen where it has dropped and lies outside the plan of its structure.

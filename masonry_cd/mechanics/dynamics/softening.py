@@ -29,7 +29,7 @@ import numpy as np
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.bonds import BondMemory, Bonds
 from masonry_cd.mechanics.dynamics.cohesive_curve import Curves, Mix
-from masonry_cd.mechanics.dynamics.joint_law import JointMemory, Springs
+from masonry_cd.mechanics.dynamics.joint_law import JointMemory, LawSprings
 from masonry_cd.mechanics.dynamics.step_problem import Solved, SpringWork, StepProblem
 from masonry_cd.mechanics.dynamics.system import MotionState, System
 
@@ -129,7 +129,7 @@ def _kept(most: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.minimum(1.0, np.divide(most, size, out=np.ones(len(size)), where=size > 0.0))
 
 
-def bounded(bonds: Bonds, springs: Springs, active: np.ndarray, step: float) -> Springs:
+def bounded(bonds: Bonds, springs: LawSprings, active: np.ndarray, step: float) -> LawSprings:
     """The springs of the contacts ``active`` (C,) with the cones of the bonds, in a step of length h [s]."""
     which, row = bonds.rows(active)
     bond = springs.bond.copy()

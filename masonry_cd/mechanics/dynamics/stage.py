@@ -20,20 +20,20 @@ from masonry_cd.mechanics.dynamics.free_motion import angular_momenta
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.start import kinetic_energy
-from masonry_cd.mechanics.dynamics.system import NO_APPROACH, Loads, MotionState, System
+from masonry_cd.mechanics.dynamics.system import NO_APPROACH, MotionState, RunLoads, System
 from masonry_cd.mechanics.friction.problem import Solution
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.state import rotation_matrices
 
 
-class Stage(NamedTuple):
+class StepperStage(NamedTuple):
     """The parts of a stepper that may change between two steps."""
 
     assembly: Assembly
-    loads: Loads
+    loads: RunLoads
 
 
-def enter(stepper: Stepper, stage: Stage) -> None:
+def enter(stepper: Stepper, stage: StepperStage) -> None:
     """Have a stepper go on in a stage of the same blocks and the same kinds of joint laws."""
     before = stepper.system
     after = System.of(stage.assembly, stepper.settings, stage.loads, before.plane).with_step(before.constants.step)

@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows
 from masonry_cd.mechanics.dynamics.free_motion import Prediction
-from masonry_cd.mechanics.dynamics.joint_law import Springs
+from masonry_cd.mechanics.dynamics.joint_law import LawSprings
 from masonry_cd.mechanics.dynamics.system import NO_APPROACH
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 
@@ -25,7 +25,7 @@ class StepProblem(NamedTuple):
     predicted: Prediction  # the blocks at q_m
     found: ContactSet  # all contacts there
     rows: ContactRows  # those of the friction problem
-    springs: Springs | None  # what the laws of elastic and bonded joints make of them; None: all joints are rigid and dry
+    springs: LawSprings | None  # what the laws of elastic and bonded joints make of them; None: all joints are rigid and dry
     problem: FrictionProblem
     start: Solution  # impulses and velocities of the last step, to start from
     crushes: np.ndarray | None = None  # (C,) bool: contacts whose joint crushes in this step; None: no joint can

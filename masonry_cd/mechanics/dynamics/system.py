@@ -45,7 +45,7 @@ class StepLoads(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Loads:
+class RunLoads:
     """Loads of a run, sampled at N + 1 times a tick apart: the time step, or the shortest where it adapts."""
 
     support_velocity: np.ndarray  # (N + 1, S, 3) of support motion s at t_k, k ticks [m/s]; (N + 1, S, 6) with [rad/s] where one turns
@@ -80,7 +80,7 @@ class System:
 
     assembly: Assembly
     settings: Run
-    loads: Loads
+    loads: RunLoads
     plane: Plane | None  # in which the scene moves; None: in space
     free: np.ndarray  # (B,) bool
     blocks: BlockArrays
@@ -102,7 +102,7 @@ class System:
     absent: np.ndarray | None = None  # (B,) bool: blocks that are not there; None: all are
 
     @classmethod
-    def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
+    def of(cls, assembly: Assembly, settings: Run, loads: RunLoads, plane: Plane | None) -> System:
         """Collect what follows from the blocks and the settings."""
         free = ~assembly.fixed
         width, inexact = assembly.width, SLACK * built_gap(assembly)
@@ -215,7 +215,7 @@ def fill_speeds(velocity: np.ndarray, columns: np.ndarray, reach: np.ndarray, ce
         point[b] = centre[b] + np.sqrt(turning) * reach[b]
 
 
-def plane_of(assembly: Assembly, state: State, settings: Run, loads: Loads) -> Plane | None:
+def plane_of(assembly: Assembly, state: State, settings: Run, loads: RunLoads) -> Plane | None:
     """The plane in which a scene moves, where there is one and the settings want it looked for."""
     if not settings.planar:
         return None

@@ -32,16 +32,16 @@ from masonry_cd.mechanics.model.sphere import ball_centre, facetted_ball, sphere
 from masonry_cd.mechanics.model.stones import CrackPlanes
 
 
-class Carried(NamedTuple):
+class CarriedLoad(NamedTuple):
     """A load that a block carries and moves as if it were a part of it, such as the fill above a voussoir."""
 
     mass: float  # [kg]
     centre: np.ndarray  # (3,) of mass, world frame [m]
     inertia: np.ndarray  # (3, 3) about that centre, world frame [kg m2]
 
-    def moved(self, turn: np.ndarray, centre: np.ndarray) -> Carried:
+    def moved(self, turn: np.ndarray, centre: np.ndarray) -> CarriedLoad:
         """Turned by (3, 3), with its centre at a place (3,) [m]."""
-        return Carried(self.mass, centre, turn @ self.inertia @ turn.T)
+        return CarriedLoad(self.mass, centre, turn @ self.inertia @ turn.T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Block:
     parts: tuple[Polyhedron, ...] = ()
     structure: str = ""
     radius: float = 0.0
-    carried: Carried | None = None
+    carried: CarriedLoad | None = None
     stone: str = ""
 
     @classmethod
@@ -123,7 +123,7 @@ def refuse_spheres(blocks: Sequence[Block], place: str, what: str) -> None:
         raise InputError(place, f'{what} has no spheres, and block "{first}" is one')
 
 
-class Shapes(NamedTuple):
+class ConvexShapes(NamedTuple):
     """The P convex parts of all blocks, in the body frames, as the detection kernels read them.
 
     A sphere is a part of one vertex, its centre, and no face: a point rounded by its radius.
@@ -136,7 +136,7 @@ class Shapes(NamedTuple):
     rounding: np.ndarray  # (P,) radius of a sphere, 0 of polyhedra [m]
 
     @classmethod
-    def of(cls, blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
+    def of(cls, blocks: Sequence[Block], centre: np.ndarray) -> ConvexShapes:
         """The convex parts of blocks with the centres of mass ``centre`` (B, 3) [m]."""
         parts = [(index, part) for index, block in enumerate(blocks) for part in _detected(block)]
         rounding = np.array([blocks[index].radius for index, _ in parts])
@@ -180,7 +180,7 @@ class Assembly:
     rolling: np.ndarray  # (G, G) rolling friction of spheres between groups: arm over radius
     restitution: np.ndarray  # (G, G) Newton's coefficient between groups
     laws: JointLaws  # of the joints between groups
-    shapes: Shapes = field(repr=False)
+    shapes: ConvexShapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
     absent: np.ndarray | None = None  # (B,) bool: free blocks that are not there, and meet nothing; None: all are there
     links: tuple[Link, ...] = ()  # that hold blocks together
@@ -298,7 +298,7 @@ class Assembly:
             rolling=rolling if planes is None else planes.grown(rolling),
             restitution=restitution if planes is None else planes.grown(restitution),
             laws=laws,
-            shapes=Shapes.of(blocks, centre),
+            shapes=ConvexShapes.of(blocks, centre),
             deformation=deformation,
             planes=planes,
         )

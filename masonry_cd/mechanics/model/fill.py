@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fill of a bridge: loose material between the masonry and the road, as what it does to the blocks that it touches.
 
-It is not made of blocks. Its weight rides on the blocks below it (:class:`masonry_cd.mechanics.model.blocks.Carried`), it presses on what
+It is not made of blocks. Its weight rides on the blocks below it (blocks.CarriedLoad), it presses on what
 stands next to it, it resists what moves into it, and it spreads the wheels on the road. Structures make it, loads ask it.
 """
 

@@ -37,7 +37,7 @@ _SCHEMA: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "item
 Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names), WithJsonSchema(_SCHEMA)]
 
 
-class Springs(Table):
+class FootingSprings(Table):
     """Stiffness of a footing in six directions, world axes, at the middle of its base."""
 
     x: Spring = None
@@ -104,7 +104,7 @@ class GroundTable(Table):
     stiffness of shifts along z and x, per area."""
     bearing_strength: Annotated[Above, Unit("Pa"), COMPRESSION] | None = None
     """Pressure at which the bed yields for good; never when not given."""
-    stiffness: Springs = Field(default_factory=Springs)
+    stiffness: FootingSprings = Field(default_factory=FootingSprings)
     """Stiffness of the springs, instead of those of the soil."""
     damping: Dashpots = Field(default_factory=Dashpots)
     """Dashpots, instead of those of the soil."""
@@ -119,7 +119,7 @@ class GroundTable(Table):
         if moduli and lacking:
             raise ValueError(f"{moduli[0]} needs {' and '.join(lacking)} of the soil")
         if not moduli:
-            needed = OF_BED if self.uplift else tuple(Springs.model_fields)
+            needed = OF_BED if self.uplift else tuple(FootingSprings.model_fields)
             missing = [name for name in needed if getattr(self.stiffness, name) is None]
             if missing:
                 raise ValueError(f"give the soil (shear_wave_velocity, density, poisson), or stiffness.{', stiffness.'.join(missing)}")
@@ -131,7 +131,9 @@ class GroundTable(Table):
             raise ValueError("bearing_strength needs uplift = true: springs do not yield, a bed does")
         if self.uplift:
             idle = [
-                f"stiffness.{name}" for name in Springs.model_fields if name not in OF_BED and getattr(self.stiffness, name) is not None
+                f"stiffness.{name}"
+                for name in FootingSprings.model_fields
+                if name not in OF_BED and getattr(self.stiffness, name) is not None
             ]
             idle += [f"damping.{name}" for name in Dashpots.model_fields if getattr(self.damping, name) is not None]
             idle += ["material_damping"] if self.material_damping else []

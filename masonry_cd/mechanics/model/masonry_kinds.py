@@ -45,7 +45,7 @@ class Range(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Kind:
+class MasonryKind:
     """A row of table C8.5.I, and that of C8.5.II."""
 
     italian: str
@@ -74,35 +74,35 @@ BESIDE_PLASTER = ("transverse connections", "reinforced repointing")  # which do
 NO_BEDS = "brick courses"  # do nothing for f_v0
 
 KINDS = {
-    "irregular stone": Kind(
+    "irregular stone": MasonryKind(
         "muratura in pietrame disordinata (ciottoli, pietre erratiche e irregolari)",
         Range(1.0, 2.0), Range(0.018, 0.032), None, Range(690, 1050), Range(230, 350), Range(19, 19), (1.5, 1.3, 1.5, 2.0, 2.5, 1.6), 3.5,
     ),
-    "roughly dressed stone": Kind(
+    "roughly dressed stone": MasonryKind(
         "muratura a conci sbozzati, con paramenti di spessore disomogeneo",
         Range(2.0, 2.0), Range(0.035, 0.051), None, Range(1020, 1440), Range(340, 480), Range(20, 20), (1.4, 1.2, 1.5, 1.7, 2.0, 1.5), 3.0,
     ),
-    "split stone": Kind(
+    "split stone": MasonryKind(
         "muratura in pietre a spacco con buona tessitura",
         Range(2.6, 3.8), Range(0.056, 0.074), None, Range(1500, 1980), Range(500, 660), Range(21, 21), (1.3, 1.1, 1.3, 1.5, 1.5, 1.4), 2.4,
     ),
-    "irregular soft stone": Kind(
+    "irregular soft stone": MasonryKind(
         "muratura irregolare di pietra tenera (tufo, calcarenite, ecc.)",
         Range(1.4, 2.2), Range(0.028, 0.042), None, Range(900, 1260), Range(300, 420), Range(13, 16), (1.5, 1.2, 1.3, 1.4, 1.7, 1.1), 2.0,
     ),
-    "regular soft stone": Kind(
+    "regular soft stone": MasonryKind(
         "muratura a conci regolari di pietra tenera (tufo, calcarenite, ecc.)", Range(2.0, 3.2), Range(0.04, 0.08), Range(0.10, 0.19),
         Range(1200, 1620), Range(400, 500), Range(13, 16), (1.6, None, 1.2, 1.2, 1.5, 1.2), 1.8,
     ),
-    "squared stone": Kind(
+    "squared stone": MasonryKind(
         "muratura a blocchi lapidei squadrati", Range(5.8, 8.2), Range(0.09, 0.12), Range(0.18, 0.28),
         Range(2400, 3300), Range(800, 1100), Range(22, 22), (1.2, None, 1.2, 1.2, 1.2, None), 1.4,
     ),
-    "solid brick": Kind(  # good mortar: the strength of the mortar to the power of 0.35, so no number here
+    "solid brick": MasonryKind(  # good mortar: the strength of the mortar to the power of 0.35, so no number here
         "muratura in mattoni pieni e malta di calce", Range(2.6, 4.3), Range(0.05, 0.13), Range(0.13, 0.27),
         Range(1200, 1800), Range(400, 600), Range(18, 18), (None, None, 1.3, 1.2, 1.5, 1.2), 1.8,
     ),
-    "hollow brick": Kind(
+    "hollow brick": MasonryKind(
         "muratura in mattoni semipieni con malta cementizia (foratura fino al 40 %)", Range(5.0, 8.0), Range(0.08, 0.17),
         Range(0.20, 0.36), Range(3500, 5600), Range(875, 1400), Range(15, 15), (1.2, None, None, None, 1.3, None), 1.3,
     ),

@@ -40,7 +40,7 @@ import numpy as np
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution
 from masonry_cd.mechanics.solvers import nlgs
-from masonry_cd.mechanics.solvers.linearised import Settings
+from masonry_cd.mechanics.solvers.linearised import MethodSettings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.options import Options
 from masonry_cd.mechanics.solvers.recall import recall
@@ -74,7 +74,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
     def method(by_team: Entry, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-            settings = Settings(distance, tolerance, allowed)
+            settings = MethodSettings(distance, tolerance, allowed)
             return over_bodies(by_team, arrays, recalled, settings, impulse, velocity, options.threads)
 
         return improve

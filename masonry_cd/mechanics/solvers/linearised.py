@@ -29,7 +29,7 @@ from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of,
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs next to rigid contacts settle where K exceeds d / C
 
 
-class Settings(NamedTuple):
+class MethodSettings(NamedTuple):
     """Settings of a method."""
 
     distance: float  # of the start from the walls of the cones, relative to the largest speed; proximal points have none
@@ -37,7 +37,7 @@ class Settings(NamedTuple):
     limit: int  # iterations, one factorisation each
 
 
-class Answer(NamedTuple):
+class BestSolution(NamedTuple):
     """The best answer so far; its arrays are overwritten by a better one."""
 
     impulse: np.ndarray  # (C, m)

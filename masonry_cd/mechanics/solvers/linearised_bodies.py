@@ -24,8 +24,8 @@ from masonry_cd.mechanics.linalg.threads import SharedArena, ThreadTeam, own_are
 from masonry_cd.mechanics.solvers.central_path import allocate_interior
 from masonry_cd.mechanics.solvers.interior_kernels import interior_point, path_by_length
 from masonry_cd.mechanics.solvers.linearised import (
-    Answer,
-    Settings,
+    BestSolution,
+    MethodSettings,
     Work,
     allocate_work,
     largest,
@@ -66,7 +66,7 @@ def answer_of(shares, common, problem, impulse):
     size = np.sqrt(square) if square > 0.0 else 1.0
     wait(shares.team)
     error[0] = map_norm(shares, problem, impulse, common.work.scratch, v) / size
-    return Answer(impulse, v, error, size, largest(q))
+    return BestSolution(impulse, v, error, size, largest(q))
 
 
 @entry()
@@ -85,7 +85,7 @@ class Given(NamedTuple):
     problem: ProblemArrays
     elimination: Elimination
     symbolic: SymbolicFactor
-    settings: Settings
+    settings: MethodSettings
     impulse: np.ndarray  # (C, m) the start, and then the best answer found
     velocity: np.ndarray  # (B, n) its own
     values: np.ndarray  # of a :class:`SharedArena`
@@ -138,7 +138,7 @@ def over_bodies(
     by_team: Entry,
     problem: ProblemArrays,
     recalled: Recalled,
-    settings: Settings,
+    settings: MethodSettings,
     impulse: np.ndarray,
     velocity: np.ndarray,
     threads: int = 1,

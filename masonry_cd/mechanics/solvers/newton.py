@@ -28,7 +28,7 @@ import numpy as np
 from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.problem import Problem, Solution, first_impulse
 from masonry_cd.mechanics.solvers import nlgs
-from masonry_cd.mechanics.solvers.linearised import Settings
+from masonry_cd.mechanics.solvers.linearised import MethodSettings
 from masonry_cd.mechanics.solvers.linearised_bodies import newton_by_team, over_bodies
 from masonry_cd.mechanics.solvers.options import Options
 from masonry_cd.mechanics.solvers.recall import recall
@@ -55,6 +55,6 @@ def solve_by_proximal_points(
         return nlgs.solve(problem, options, start)
     impulse, velocity = first_impulse(problem, start), np.empty(problem.v_free.shape)
     recalled = recall(problem, start)
-    settings = Settings(0.0, options.tolerance, options.limit(limit))
+    settings = MethodSettings(0.0, options.tolerance, options.limit(limit))
     iterations, error = over_bodies(by_team, problem.arrays(), recalled, settings, impulse, velocity, threads)
     return Solution(impulse, velocity, iterations, options.reason(name, error), recalled.state, error)

@@ -28,7 +28,7 @@ UPDATES = 100  # pivots on one factorisation: more, and they cost more than the 
 PIVOTING = Continuation(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
 
 
-class Path(NamedTuple):
+class PivotPath(NamedTuple):
     """Where the path is, and the pivots since the last factorisation.
 
     Pivot k changes the matrix by H_c^T a b^T H_c for its contact c; with the matrix before, z_k solves for H_c^T a.
@@ -53,7 +53,7 @@ def allocate_pivoting(arena, shape, rows):
     contacts = shape[0]
     z, contact, b, ratio = np.zeros((UPDATES, *rows)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share, hard = np.empty((UPDATES, UPDATES)), np.empty(UPDATES), np.empty((contacts, 2))
-    path = Path(np.zeros(rows), np.empty(rows), np.empty(rows), z, contact, np.empty(2), b, ratio, product, share, hard)
+    path = PivotPath(np.zeros(rows), np.empty(rows), np.empty(rows), z, contact, np.empty(2), b, ratio, product, share, hard)
     return allocate_springs(arena, shape, rows), path
 
 

@@ -23,7 +23,7 @@ WON = 0.9  # of the error, at most, that is left by a problem that is not solved
 FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
 
 
-class Springs(NamedTuple):
+class CentredSprings(NamedTuple):
     """The problem with springs that are at rest in the centre, and an iterate of it."""
 
     centre: np.ndarray  # (C, m) impulses
@@ -59,7 +59,9 @@ def allocate_springs(arena, shape, rows):
     contacts, m = shape
     status, held = take(arena, shape[:1]).view(np.int64), take(arena, shape[:1]).view(np.int64)
     centre, x, p, dx, block = take(arena, shape), take(arena, shape), take(arena, shape), take(arena, shape), take(arena, (contacts, m, m))
-    return Springs(centre, x, p, status, held, dx, block, take(arena, rows), take(arena, rows), take(arena, rows), take(arena, shape))
+    return CentredSprings(
+        centre, x, p, status, held, dx, block, take(arena, rows), take(arena, rows), take(arena, rows), take(arena, shape)
+    )
 
 
 @kernel(inline="always")

@@ -16,13 +16,13 @@ from masonry_cd.foundation.files import is_file
 from masonry_cd.mechanics.solvers.by_name import require_solver
 from masonry_cd.studies.accuracy import ensemble, scene_runs, solver_rows
 from masonry_cd.studies.accuracy.picture import OUTPUTS, Measurement
-from masonry_cd.studies.study.study_case import Options
+from masonry_cd.studies.study.study_case import StudyOptions
 
 LARGEST_STEP = 0.1  # [s]
 
 
 @dataclass(frozen=True)
-class Asked:
+class AccuracyRequest:
     """A request for a measurement: lists as typed, None where nothing is."""
 
     solvers: str | None = None
@@ -60,7 +60,7 @@ class Asked:
         return _numbers(self.dts, "--dts", LARGEST_STEP)
 
 
-def accuracy(source: Path, folder: Path, asked: Asked, say: Say) -> Result[Measurement | None]:
+def accuracy(source: Path, folder: Path, asked: AccuracyRequest, say: Say) -> Result[Measurement | None]:
     """Measure a problem file or a scene, and write the outputs into a folder, which is made if need be.
 
     Args:
@@ -87,7 +87,7 @@ def accuracy(source: Path, folder: Path, asked: Asked, say: Say) -> Result[Measu
     return _ensemble(source, scene, folder, asked, say)
 
 
-def _check(asked: Asked) -> None:
+def _check(asked: AccuracyRequest) -> None:
     """Refuse options that contradict each other."""
     if asked.ensemble is None:
         if asked.workers > 1:
@@ -99,7 +99,7 @@ def _check(asked: Asked) -> None:
         raise InputError("--ensemble", f"{asked.ensemble} members show no bias, however large; at least {ensemble.LEAST} do")
 
 
-def _problem(source: Path, asked: Asked, say: Say) -> Measurement:
+def _problem(source: Path, asked: AccuracyRequest, say: Say) -> Measurement:
     """Measure the solvers on a problem file."""
     from masonry_cd.io.problem_files import read_problem
 
@@ -113,7 +113,7 @@ def _problem(source: Path, asked: Asked, say: Say) -> Measurement:
     return solver_rows.measured(problem, source.name, rows, every=names is None)
 
 
-def _scene(source: Path, scene: Scene, asked: Asked, say: Say) -> Measurement:
+def _scene(source: Path, scene: Scene, asked: AccuracyRequest, say: Say) -> Measurement:
     """Measure single runs of a scene."""
     if scene.run.adaptive:
         raise InputError(source, 'run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
@@ -123,7 +123,7 @@ def _scene(source: Path, scene: Scene, asked: Asked, say: Say) -> Measurement:
     return scene_runs.measured(scene.title, rows)
 
 
-def _ensemble(source: Path, scene: Scene, folder: Path, asked: Asked, say: Say) -> Result[Measurement | None]:
+def _ensemble(source: Path, scene: Scene, folder: Path, asked: AccuracyRequest, say: Say) -> Result[Measurement | None]:
     """Measure ensembles of a scene."""
     solvers, tolerances, dts = asked.names or (scene.run.solver,), asked.reach or ensemble.TOLERANCES, asked.steps
     if dts is None and scene.run.adaptive:
@@ -131,7 +131,7 @@ def _ensemble(source: Path, scene: Scene, folder: Path, asked: Asked, say: Say) 
     settings = ensemble.settings_of(solvers, dts or (scene.run.dt,), tolerances)
     assert asked.ensemble is not None
     plan = ensemble.EnsemblePlan(scene, settings, asked.ensemble)
-    return ensemble.ensembles(plan, folder, Options(plan.where(asked.workers), retry=True, force=asked.force, quiet=asked.quiet), say)
+    return ensemble.ensembles(plan, folder, StudyOptions(plan.where(asked.workers), retry=True, force=asked.force, quiet=asked.quiet), say)
 
 
 def _written(found: Measurement, folder: Path) -> Result[Measurement]:

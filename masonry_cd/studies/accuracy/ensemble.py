@@ -37,11 +37,11 @@ from masonry_cd.foundation.csv_files import write_rows
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import in_words, length
-from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent, nine_digits
+from masonry_cd.studies.accuracy.picture import Measurement, PanelSheet, Point, TimePanel, exponent, nine_digits
 from masonry_cd.studies.study.checks import scene_of_run
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.plan import SIZE, Maker, StudyPlan, space_of, tables_of
-from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
+from masonry_cd.studies.study.study_case import RunActions, StudyOptions, make_runs
 from masonry_cd.studies.study.table import Rows
 
 DESIGN = "accuracy"
@@ -74,7 +74,7 @@ class Setting(NamedTuple):
         return {f"run.{key}": value for key, value in self._asdict().items()}
 
 
-class Spread(NamedTuple):
+class EnsembleSpread(NamedTuple):
     """A measure over the members of a setting."""
 
     low: float  # lower quartile
@@ -102,7 +102,7 @@ class EnsembleRow:
 
     setting: Setting
     members: tuple[RunRow, ...]
-    spreads: dict[str, Spread]  # by measure
+    spreads: dict[str, EnsembleSpread]  # by measure
     finest: bool
 
     @property
@@ -172,10 +172,10 @@ class EnsemblePlan(StudyPlan):
         tables["run"] = {key: value for key, value in tables["run"].items() if key != "longest"} | {"until_still": False}
         maker = Maker(*space_of(scene, tables))
         for setting in settings:  # what is wrong with one of them is reported before any runs
-            scene_of_run(maker.tables(Asked(values=setting.values)))
+            scene_of_run(maker.tables(DesignedRun(values=setting.values)))
         prepare(scene)  # and what is wrong with its blocks or loads; kernels are compiled once
         self.settings, self.count = settings, count
-        asked = (Asked(member=k or None, change=SIZE * k, values=one.values) for k in range(count) for one in settings)
+        asked = (DesignedRun(member=k or None, change=SIZE * k, values=one.values) for k in range(count) for one in settings)
         super().__init__(maker, asked, DESIGN)
 
     def groups(self, rows: Rows) -> list[EnsembleRow]:
@@ -188,7 +188,7 @@ class EnsemblePlan(StudyPlan):
         ]
 
 
-def ensembles(plan: EnsemblePlan, folder: Path, options: Options, say: Say) -> Result[Measurement | None]:
+def ensembles(plan: EnsemblePlan, folder: Path, options: StudyOptions, say: Say) -> Result[Measurement | None]:
     """Make the runs that are missing, and write what they say.
 
     Raises:
@@ -233,14 +233,14 @@ def quartiles(values: Sequence[float] | np.ndarray) -> tuple[float, float, float
     return float(low), float(median), float(high)
 
 
-def spreads_of(members: Sequence[RunRow], finest: Sequence[RunRow]) -> dict[str, Spread]:
+def spreads_of(members: Sequence[RunRow], finest: Sequence[RunRow]) -> dict[str, EnsembleSpread]:
     """Medians, quartiles and biases of a setting's members."""
     out = {}
     for key in MEASURES:
         own, best = (np.array([row.number(COLUMNS[key]) for row in group], dtype=float) for group in (members, finest))
         (low, median, high), (least, aim, most) = quartiles(own), quartiles(best)
         matters = max(MATTERS * abs(aim), LEAST_DRIFT if key == "drift" else LEAST_LENGTH)
-        out[key] = Spread(low, median, high, median - aim, max(high - low, most - least), chance(own, best), matters)
+        out[key] = EnsembleSpread(low, median, high, median - aim, max(high - low, most - least), chance(own, best), matters)
     return out
 
 
@@ -263,11 +263,11 @@ def measured(title: str, rows: Sequence[EnsembleRow]) -> Measurement:
     heading, count = f"Error against run time, by ensembles: {title}", len(rows[0].members)
     facts = f"{count} members each: median and quartiles; strip: quartiles of the finest setting; hollow: a bias shows; labels: tolerance"
     panels = [_panel(rows, key) for key in LENGTHS]
-    diagram = Diagram(f"Error against run time: {title}", facts, "processor time of a run, median [s]", panels)
+    diagram = PanelSheet(f"Error against run time: {title}", facts, "processor time of a run, median [s]", panels)
     return Measurement(heading, [row.cells for row in rows], [row.read for row in rows], lines_of(title, rows), _warnings(rows), diagram)
 
 
-def _panel(rows: Sequence[EnsembleRow], key: str) -> Panel:
+def _panel(rows: Sequence[EnsembleRow], key: str) -> TimePanel:
     """A length over the processor time, a line per solver and time step."""
     factor = LENGTHS[key].shown[1]
     best, lines = rows[-1].spreads[key], dict[str, list[Point]]()
@@ -276,7 +276,7 @@ def _panel(rows: Sequence[EnsembleRow], key: str) -> Panel:
         bar = (factor * spread.low, factor * spread.high)
         point = Point(middle, factor * spread.median, spread.biased, exponent(row.setting.tolerance), (low, high), bar)
         lines.setdefault(f"{row.setting.solver}, dt {1e3 * row.setting.dt:g} ms", []).append(point)
-    return Panel(LENGTHS[key].title, list(lines.items()), (factor * best.low, factor * best.median, factor * best.high))
+    return TimePanel(LENGTHS[key].title, list(lines.items()), (factor * best.low, factor * best.median, factor * best.high))
 
 
 def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:

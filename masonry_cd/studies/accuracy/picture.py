@@ -36,7 +36,7 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Panel:
+class TimePanel:
     """Quantity that is drawn over the seconds."""
 
     words: str  # at the axis
@@ -46,16 +46,16 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Diagram:
+class PanelSheet:
     """A sheet of panels whose lines have the same names."""
 
     title: str
     facts: str
     across: str
-    panels: Sequence[Panel]
+    panels: Sequence[TimePanel]
 
 
-def draw(diagram: Diagram, path: Path) -> None:
+def draw(diagram: PanelSheet, path: Path) -> None:
     """Draw a diagram into a PNG.
 
     Raises:
@@ -69,7 +69,7 @@ def draw(diagram: Diagram, path: Path) -> None:
     save(figure, path)
 
 
-def _draw(axes: Any, panel: Panel) -> None:
+def _draw(axes: Any, panel: TimePanel) -> None:
     """The lines of a panel; errors on a logarithmic scale."""
     if panel.strip is not None:
         low, median, high = panel.strip
@@ -132,7 +132,7 @@ class Measurement:
     read: Sequence[Row]  # of accuracy.md
     lines: Sequence[str]
     warnings: Sequence[str]
-    diagram: Diagram
+    diagram: PanelSheet
 
     def write(self, folder: Path) -> list[Path]:
         """Write accuracy.csv, accuracy.md and accuracy.png; their paths."""

@@ -29,7 +29,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
-from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point, exponent
+from masonry_cd.studies.accuracy.picture import Measurement, PanelSheet, Point, TimePanel, exponent
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 DT_FACTORS = (2.0, 1.0, 0.5)  # of the scene's time step
@@ -86,11 +86,11 @@ def measured(title: str, rows: Sequence[SceneRow]) -> Measurement:
         for solver, tolerance in keys
     }
     panels = [_panel(words, groups, key) for key, words in (("displacement_error", "displacement"), ("opening_error", "joint opening"))]
-    diagram = Diagram(heading, f"{facts}; hollow: tolerance missed", "stepping time of the run [s]", panels)
+    diagram = PanelSheet(heading, f"{facts}; hollow: tolerance missed", "stepping time of the run [s]", panels)
     return Measurement(heading, cells, cells, _lines(title, rows), _warnings(rows), diagram)
 
 
-def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> Panel:
+def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> TimePanel:
     """An error over the stepping time, a line per tolerance; points of the last one say their time steps."""
     last = list(groups)[-1]
     lines = []
@@ -98,7 +98,7 @@ def _panel(words: str, groups: Mapping[str, Sequence[SceneRow]], key: str) -> Pa
         labels = [f"dt {1e3 * row.dt:g} ms" if name == last else "" for row in own]
         points = [Point(row.stepping_seconds, 100.0 * getattr(row, key), not row.reached, at) for row, at in zip(own, labels, strict=True)]
         lines.append((name, points))
-    return Panel(f"{words} error, relative [%]", lines)
+    return TimePanel(f"{words} error, relative [%]", lines)
 
 
 def run_rows(

@@ -19,7 +19,7 @@ from masonry_cd.app.result import Say
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
 from masonry_cd.mechanics.solvers.by_name import solver_named
-from masonry_cd.studies.accuracy.picture import Diagram, Measurement, Panel, Point
+from masonry_cd.studies.accuracy.picture import Measurement, PanelSheet, Point, TimePanel
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 REPEATS = 5
@@ -51,9 +51,9 @@ def measured(problem: Problem, title: str, rows: Sequence[SolverRow], every: boo
     drawn = [(name, [Point(row.seconds, row.error, not row.reached) for row in own]) for name, own in by_name.items()]
     heading = f"Error against run time: {title}"
     facts = "each point a tolerance, from loose to tight along the line; hollow: tolerance missed"
-    panel = Panel("natural map error (scaled)", drawn, levels=sorted({row.tolerance for row in rows}))
+    panel = TimePanel("natural map error (scaled)", drawn, levels=sorted({row.tolerance for row in rows}))
     cells = [vars(row) for row in rows]
-    return Measurement(heading, cells, cells, lines, [], Diagram(heading, facts, "time of one solve, median [s]", [panel]))
+    return Measurement(heading, cells, cells, lines, [], PanelSheet(heading, facts, "time of one solve, median [s]", [panel]))
 
 
 def solver_rows(problem: Problem, solvers: Sequence[str], tolerances: Sequence[float], repeats: int, say: Say) -> list[SolverRow]:

@@ -17,10 +17,10 @@ from masonry_cd.studies.assess.plan import AssessPlan
 from masonry_cd.studies.assess.task import assess_task, limit_task
 from masonry_cd.studies.study.checks import check_first
 from masonry_cd.studies.study.plan import StudyPlan
-from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
+from masonry_cd.studies.study.study_case import RunActions, StudyOptions, make_runs
 
 
-def assess(plan: AssessPlan, folder: Path, options: Options, say: Say) -> Result[Assessment | None]:
+def assess(plan: AssessPlan, folder: Path, options: StudyOptions, say: Say) -> Result[Assessment | None]:
     """Make the runs of an assessment that are missing, and write what they say.
 
     Raises:

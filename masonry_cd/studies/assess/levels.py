@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from masonry_cd.analysis.assessment.assessment import Known
+from masonry_cd.analysis.assessment.assessment import KnownAssumption
 from masonry_cd.analysis.assessment.indices import Unknown, chosen
 from masonry_cd.app.case import assembled, make_structures
 from masonry_cd.app.scene import Scene
@@ -47,10 +47,10 @@ class Assumption:
     )
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownAssumption:
         """Facts on it for an assessment."""
         levels, coarser = (tuple(one.name for one in self.levels if one.coarser or not only) for only in (False, True))
-        return Known(self.name, self.base, levels, self.reference, self.name in NUMERICAL, coarser)
+        return KnownAssumption(self.name, self.base, levels, self.reference, self.name in NUMERICAL, coarser)
 
     @property
     def unknown(self) -> Unknown:

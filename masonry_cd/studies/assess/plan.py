@@ -24,9 +24,9 @@ from masonry_cd.mechanics.model.masonry_kinds import RIGID
 from masonry_cd.studies.assess.assumptions import assumptions_of
 from masonry_cd.studies.assess.joint_levels import is_elastic
 from masonry_cd.studies.assess.levels import DAMPING, NUMERICAL, POINTS, STIFFNESS, Assumption, Level
-from masonry_cd.studies.study.designs import Asked, Space
+from masonry_cd.studies.study.designs import DesignedRun, Space
 from masonry_cd.studies.study.plan import SIZE, Maker, Planned, StudyPlan, space_of, tables_of
-from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_file import ReadStudy
 
 DESIGN = "assess"
 OF_EACH = 10  # runs for each unknown, where all vary at once (Loeppky, Sacks & Welch, Technometrics 51(4), 2009)
@@ -45,28 +45,28 @@ class RunRole:
         """Levels by their assumptions, as text."""
         return {assumption.name: level.name for assumption, level in self.levels}
 
-    def asked(self) -> Asked:
+    def asked(self) -> DesignedRun:
         """The run: levels by their names, or all assumptions by their coordinates."""
         values: Mapping[str, Any] = self.values()
         if self.at:
             values = {assumption.name: u for (assumption, _), u in zip(self.levels, self.at, strict=True)}
-        return Asked(member=self.member or None, change=SIZE * self.member, values=values)
+        return DesignedRun(member=self.member or None, change=SIZE * self.member, values=values)
 
 
 class AssessMaker(Maker):
     """Makes the scenes of an assessment's runs."""
 
-    def __init__(self, study: Study, space: Space, known: Sequence[Assumption]) -> None:
+    def __init__(self, study: ReadStudy, space: Space, known: Sequence[Assumption]) -> None:
         super().__init__(study, space)
         self._known = {one.name: one for one in known}
 
-    def tables(self, asked: Asked) -> dict[str, Any]:
+    def tables(self, asked: DesignedRun) -> dict[str, Any]:
         """The tables of a run's scene. Statics is asked for where an answer of limit analysis may change.
 
         Raises:
             InputError: the ensemble has nothing to perturb.
         """
-        tables = copy.deepcopy(super().tables(Asked()))
+        tables = copy.deepcopy(super().tables(DesignedRun()))
         if not (asked.values or asked.member):  # the keys that the scene calls meant so are all there
             quiet, keys = self.study.scene.quiet_checks, [key for key, _ in keys_of(tables)]
             tables["quiet_checks"] = [name for name in quiet if any(is_within(key, name) for key in keys)]
@@ -78,14 +78,14 @@ class AssessMaker(Maker):
             self._perturb(tables, asked)
         return tables
 
-    def planned(self, asked: Asked) -> Planned:
+    def planned(self, asked: DesignedRun) -> Planned:
         """The run with its name, and what it costs."""
         tables, cost = self.tables(asked), 1.0
         for level in self._levels(asked):
             cost *= level.cost
         return Planned(self.name(tables), asked, cost * max(1, self.study.scene.run.steps))
 
-    def _levels(self, asked: Asked) -> list[Level]:
+    def _levels(self, asked: DesignedRun) -> list[Level]:
         """The levels that a run has, by their names or by coordinates."""
         by_name = {(one.name, level.name): level for one in self._known.values() for level in one.levels}
         return [self._known[name].at(at) if isinstance(at, float) else by_name[name, at] for name, at in asked.values.items()]

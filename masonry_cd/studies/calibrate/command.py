@@ -19,17 +19,17 @@ from masonry_cd.app.result import Result, Say
 from masonry_cd.studies.calibrate.plan import DESIGN, Calibration
 from masonry_cd.studies.calibrate.predicted import PREDICTED, calibrate_task
 from masonry_cd.studies.study.clusters import connected
-from masonry_cd.studies.study.designs import Asked
+from masonry_cd.studies.study.designs import DesignedRun
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.plan import StudyPlan
-from masonry_cd.studies.study.study_case import Options, RunActions, make_runs
+from masonry_cd.studies.study.study_case import RunActions, StudyOptions, make_runs
 from masonry_cd.studies.study.table import Rows, write_parquet
 from masonry_cd.studies.study.varied import WEIGHT
 
 POSTERIOR = "posterior.parquet"
 
 
-def calibrate(plan: Calibration, folder: Path, options: Options, say: Say) -> Result[Posterior | None]:
+def calibrate(plan: Calibration, folder: Path, options: StudyOptions, say: Say) -> Result[Posterior | None]:
     """Sample the posterior of a calibration round by round; the samples of a folder are not made again.
 
     Raises:
@@ -78,7 +78,7 @@ class Sampling:
         self.z = np.zeros((0, len(calibration.places)))
         self.sizes: list[float] = []
         self._next = Proposal.prior(len(calibration.places))
-        self.asked: list[Asked] = []
+        self.asked: list[DesignedRun] = []
         self.plan = StudyPlan(calibration.maker, [], DESIGN)
         self.go_on()
 

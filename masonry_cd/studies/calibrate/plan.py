@@ -19,12 +19,12 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.commands.modal import ModalOptions
 from masonry_cd.app.scene_units import unit_of_key
 from masonry_cd.foundation.errors import InputError, parse_table, suggest, values_in_si
-from masonry_cd.studies.calibrate.predicted import History, Wanted, modal_values
+from masonry_cd.studies.calibrate.predicted import History, ObservedValues, modal_values
 from masonry_cd.studies.study.checks import check_first, scene_of_run
-from masonry_cd.studies.study.designs import Asked, Space, placed
+from masonry_cd.studies.study.designs import DesignedRun, Space, placed
 from masonry_cd.studies.study.plan import Maker, StudyPlan
 from masonry_cd.studies.study.study_case import space_of_study
-from masonry_cd.studies.study.study_file import CalibrationTable, Study
+from masonry_cd.studies.study.study_file import CalibrationTable, ReadStudy
 from masonry_cd.studies.study.study_units import ROTATE
 
 DESIGN = "calibrate"
@@ -38,11 +38,11 @@ class Calibration:
     """A calibration whose study is checked."""
 
     maker: Maker
-    wanted: Wanted
+    wanted: ObservedValues
     places: np.ndarray  # (d,) coordinates of the unit cube that are unknown; the others choose from one
 
     @classmethod
-    def of(cls, study: Study) -> Calibration:
+    def of(cls, study: ReadStudy) -> Calibration:
         """The calibration of a study file.
 
         Raises:
@@ -76,20 +76,20 @@ class Calibration:
             f"at most {table.rounds} rounds of {self.samples} samples, {runs} each"
         )
 
-    def asked(self, u: np.ndarray) -> Asked:
+    def asked(self, u: np.ndarray) -> DesignedRun:
         """The run at a point of the cube of the unknowns (d,)."""
         whole = np.full(len(self.maker.space.varied.columns) + 2, 0.5)
         whole[self.places] = u
         return placed(self.maker.space, whole)
 
-    def unknowns(self, asked: list[Asked]) -> dict[str, list[Any]]:
+    def unknowns(self, asked: list[DesignedRun]) -> dict[str, list[Any]]:
         """The values of all unknowns in some runs, by key of the scene, motion and level."""
         space = self.maker.space
         found = {key: [one.values[key] for one in asked] for key in space.varied.columns}
         found |= {MOTION: [one.motion for one in asked]} if len(space.motions) > 1 else {}
         return found | ({LEVEL: [one.level for one in asked]} if len(space.levels) > 1 else {})
 
-    def measured(self, asked: list[Asked]) -> dict[str, list[float]]:
+    def measured(self, asked: list[DesignedRun]) -> dict[str, list[float]]:
         """PGA [m/s2] and period 2 pi PGV / PGA [s] of the motions of some runs, where these are records."""
         records = self.maker.space.records
         if records is None or records.table.key is not None or not ({MOTION, LEVEL, ROTATE} & self.unknowns(asked).keys()):
@@ -135,7 +135,7 @@ class Calibration:
         return check_first(plan) if self.wanted.runs else ()
 
 
-def _wanted(study: Study) -> Wanted:
+def _wanted(study: ReadStudy) -> ObservedValues:
     """The observations with what their files hold."""
     given = {"method": "joints", **study.tables.modal}
     options = parse_table(ModalOptions, given, "modal")
@@ -155,7 +155,7 @@ def _wanted(study: Study) -> Wanted:
             histories[one.title] = _history(study.folder / one.file, one, f"{where}.file")
         value = 0.0 if one.what in MISFITS else one.value if one.modes is None else _measured(files[one.title], one.mode, where)
         observations.append(one.model_copy(update={"value": value, "name": one.title}))
-    return Wanted(tuple(observations), options.model_dump(include={*OPTIONS}), files, histories)
+    return ObservedValues(tuple(observations), options.model_dump(include={*OPTIONS}), files, histories)
 
 
 def _measured(path: str, mode: int | None, where: str) -> float:
@@ -180,7 +180,7 @@ def _history(path: Path, one: Observation, where: str) -> History:
     return with_unit.origin + with_unit.step * np.arange(len(values)), values
 
 
-def _with_gauges(study: Study, wanted: Wanted) -> tuple[Study, Wanted]:
+def _with_gauges(study: ReadStudy, wanted: ObservedValues) -> tuple[ReadStudy, ObservedValues]:
     """A joint that an observation names by its blocks becomes a gauge of the scene."""
     tables, made = copy.deepcopy(study.scene_tables), []
     for i, one in enumerate(wanted.observations):

@@ -21,7 +21,7 @@ History = tuple[np.ndarray, np.ndarray]  # times [s] and values
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ObservedValues:
     """The observations, and what their files hold."""
 
     observations: tuple[Observation, ...]
@@ -35,12 +35,12 @@ class Wanted:
         return any(one.what not in MODAL for one in self.observations)
 
 
-def calibrate_task(wanted: Wanted, task: Task) -> Outcome:
+def calibrate_task(wanted: ObservedValues, task: Task) -> Outcome:
     """Make a sample."""
     return replace(run_task(task, partial(_make, wanted)), joints=None)
 
 
-def _make(wanted: Wanted, task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
+def _make(wanted: ObservedValues, task: Task, folder: Path) -> tuple[RunRow, dict[str, Any] | None]:
     """The row of a sample, with what it predicts by the observations' titles."""
     from masonry_cd.studies.study.checks import scene_of_run
 
@@ -52,7 +52,7 @@ def _make(wanted: Wanted, task: Task, folder: Path) -> tuple[RunRow, dict[str, A
     return replace(row, numbers={**row.numbers, PREDICTED: found}), joints
 
 
-def modal_values(wanted: Wanted, scene: Scene) -> dict[str, float | None]:
+def modal_values(wanted: ObservedValues, scene: Scene) -> dict[str, float | None]:
     """Frequencies [Hz] and 1 - MAC of a scene; one modal analysis for each file of measured modes, and one for what needs none."""
     from masonry_cd.app.commands.modal import modal
 
@@ -78,7 +78,7 @@ def _of_modes(one: Observation, model: Mapping[str, Any]) -> float | None:
     return None if pair["mac"] is None else 1.0 - pair["mac"]
 
 
-def values_of_run(wanted: Wanted, file: Path, row: RunRow, scene: Scene) -> dict[str, float | None]:
+def values_of_run(wanted: ObservedValues, file: Path, row: RunRow, scene: Scene) -> dict[str, float | None]:
     """The values that a run came to, by the titles of the observations of runs."""
     from masonry_cd.analysis.damage.joint_damage import fallen
     from masonry_cd.analysis.gauge_histories import gauge_histories

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.analysis.distributions import by_chance, distance, quantiles
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
 from masonry_cd.app.limit_table import limit_table
@@ -29,7 +29,7 @@ BLOCKS, SCENE = "blocks.json", "scene.toml"
 Curve = tuple[str, np.ndarray, np.ndarray]  # name, abscissa, ordinate
 
 
-class Row(NamedTuple):
+class CaseRow(NamedTuple):
     """A line of the table: what was measured, and what the program gives with rigid and with elastic joints."""
 
     quantity: str
@@ -74,10 +74,10 @@ def shown_quartiles(side: Mapping[str, Any]) -> str:
 
 
 @dataclass
-class Found:
+class CaseResults:
     """Results of the tests of a case."""
 
-    rows: list[Row] = field(default_factory=list)
+    rows: list[CaseRow] = field(default_factory=list)
     samples: list[Sample] = field(default_factory=list)
     measured: list[Curve] = field(default_factory=list)
     points: list[Curve] = field(default_factory=list)  # measured, one by one, with no line between
@@ -86,7 +86,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Case:
+class LaboratoryCase:
     """A case of the page."""
 
     name: str
@@ -95,7 +95,7 @@ class Case:
     assumed: str
     unknown: str
     verdict: str  # what agrees, what does not, and why
-    compute: Callable[[Path, Callable[[str], object]], Found]  # in a folder, saying how far it is
+    compute: Callable[[Path, Callable[[str], object]], CaseResults]  # in a folder, saying how far it is
 
 
 def elastic(law: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def limit_factor(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any
     run = {"run": {"dt": 1e-3, "duration": 1e-2}, "quiet_checks": ["loads"]}
     case = prepare(scene_in(folder, blocks, {**tables, **run}))
     loads = static_loads(case.scene.loads, limit_table({"live": list(live)}), case.scene.run.gravity, folder, case.assembly)
-    found = analyse(case.assembly, case.joints, loads.at(), Options(starts=2))
+    found = analyse(case.assembly, case.joints, loads.at(), LimitOptions(starts=2))
     return float(found.associated.factor if found.least is None else found.least.optimum.factor)
 
 

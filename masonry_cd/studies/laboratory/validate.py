@@ -12,7 +12,7 @@ from masonry_cd.app.result import Result, Say
 from masonry_cd.foundation import own_files
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.json_files import write_json
-from masonry_cd.studies.laboratory.case import Case, Found, Row
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase
 from masonry_cd.studies.laboratory.cases import CASES
 from reports.drawing.figure import save
 from reports.laboratory import curves_figure
@@ -21,7 +21,7 @@ TABLE, SAMPLES, FIGURE = "table.json", "samples.json", "curves.svg"
 DRAWN = 300  # points of a curve: figures of the page stay small
 
 
-def case_named(name: str) -> Case:
+def case_named(name: str) -> LaboratoryCase:
     """The case of a name.
 
     Raises:
@@ -32,7 +32,7 @@ def case_named(name: str) -> Case:
     return CASES[name]
 
 
-def validate(name: str, folder: Path, say: Say) -> Result[Found]:
+def validate(name: str, folder: Path, say: Say) -> Result[CaseResults]:
     """Repeat a case.
 
     Raises:
@@ -50,7 +50,7 @@ def validate(name: str, folder: Path, say: Say) -> Result[Found]:
     return Result(found, [case.title, f"source: {case.source}", *table_lines(found)], written=[table, folder / SAMPLES, figure])
 
 
-def table_lines(found: Found) -> list[str]:
+def table_lines(found: CaseResults) -> list[str]:
     """The rows as text."""
     return [
         f"{row.quantity}: {row.measured:.4g} {row.unit} measured or by others; "
@@ -59,7 +59,7 @@ def table_lines(found: Found) -> list[str]:
     ] + [sample.line for sample in found.samples]
 
 
-def _computed(row: Row) -> list[tuple[str, float]]:
+def _computed(row: CaseRow) -> list[tuple[str, float]]:
     return [(word, value) for word, value in (("rigid", row.rigid), ("elastic", row.elastic)) if value is not None]
 
 

@@ -62,7 +62,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class RecordSet:
+class ChosenSet:
     """The set that was chosen."""
 
     grid: Grid

@@ -26,7 +26,7 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.json_files import plain, write_json
-from masonry_cd.studies.selection.candidates import Candidate, Grid, RecordSet, find
+from masonry_cd.studies.selection.candidates import Candidate, ChosenSet, Grid, find
 from masonry_cd.studies.selection.catalogue import COLUMNS, EVENT
 from masonry_cd.studies.selection.picture import draw
 from masonry_cd.studies.selection.tables import Selection
@@ -68,7 +68,7 @@ def select(selection: Selection, folder: Path | None, force: bool = False, say: 
     return Result(found | {"records": records}, [*_lines(selection, made, left)], _warnings(selection, made), written)
 
 
-def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left: Mapping[str, str]) -> RecordSet:
+def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left: Mapping[str, str]) -> ChosenSet:
     """The best set, scaled up where that is asked for.
 
     Raises:
@@ -89,12 +89,12 @@ def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left:
     pool = Pool(periods, logs, tables.target.deviations(periods), (least, most_scaled), events, asked.per_event or 1)
     best = choose(pool, tables.n, tables.seed)
     order = np.argsort(best.members)
-    made = RecordSet(grid, [candidates[k] for k in best.members[order]], libm.exp(best.factors[order]), 1.0, len(candidates))
+    made = ChosenSet(grid, [candidates[k] for k in best.members[order]], libm.exp(best.factors[order]), 1.0, len(candidates))
     lift = max(1.0, made.rule.lift) if tables.meet_rule else 1.0
     return replace(made, factors=lift * made.factors, lift=lift)
 
 
-def _summary(selection: Selection, made: RecordSet, left: Mapping[str, str]) -> dict[str, Any]:
+def _summary(selection: Selection, made: ChosenSet, left: Mapping[str, str]) -> dict[str, Any]:
     """Return the contents of selection.json."""
     tables, d, rule = selection.tables, made.differences, made.rule
     spectra = {"period_s": made.grid.periods, "target_m_s2": made.grid.target, "mean_m_s2": made.spectra.mean(axis=0)}
@@ -119,7 +119,7 @@ def _write_records(records: Mapping[str, Any], folder: Path) -> None:
         part.write_text(f'# in a study: records = "DIR/selected.toml"\n{keys}\n[records.factors]\n{factors}', encoding="utf-8")
 
 
-def _lines(selection: Selection, made: RecordSet, left: Mapping[str, str]) -> Iterator[str]:
+def _lines(selection: Selection, made: ChosenSet, left: Mapping[str, str]) -> Iterator[str]:
     """The closing lines."""
     target = selection.tables.target
     fit, (low, high) = made.fit(target), target.band
@@ -139,7 +139,7 @@ def _lines(selection: Selection, made: RecordSet, left: Mapping[str, str]) -> It
         yield f"  and {len(left) - MOST_NAMED} more, all in selection.json"
 
 
-def _warnings(selection: Selection, made: RecordSet) -> list[str]:
+def _warnings(selection: Selection, made: ChosenSet) -> list[str]:
     """Return the warnings."""
     out, most = [], selection.tables.candidates.factor[1]
     if made.lift > 1.0:

@@ -8,7 +8,7 @@ from typing import Any
 
 from masonry_cd.analysis.accelerogram_rule import SHARE
 from masonry_cd.foundation import libm
-from masonry_cd.studies.selection.candidates import RecordSet
+from masonry_cd.studies.selection.candidates import ChosenSet
 from masonry_cd.studies.selection.tables import Selection, TargetTable
 from reports.drawing.figure import INK, plain_axes, save
 from reports.drawing.plots import PALE, colour, legend, logarithmic, sheet
@@ -16,7 +16,7 @@ from reports.drawing.plots import PALE, colour, legend, logarithmic, sheet
 BAND = "#f2f4f6"
 
 
-def draw(selection: Selection, made: RecordSet, path: Path) -> Path:
+def draw(selection: Selection, made: ChosenSet, path: Path) -> Path:
     """Draw a set, and where a standard deviation is asked for, how it has it; return the path."""
     target, rule = selection.tables.target, made.rule
     facts = (
@@ -36,7 +36,7 @@ def draw(selection: Selection, made: RecordSet, path: Path) -> Path:
     return save(figure, path, selection.title)
 
 
-def _spectra(axes: Any, target: TargetTable, made: RecordSet) -> None:
+def _spectra(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     """All spectra over the period."""
     t, goal, d = made.grid.periods, made.grid.target, made.differences
     axes.axvspan(*target.band, color=BAND, zorder=0, label="periods compared")
@@ -57,7 +57,7 @@ def _spectra(axes: Any, target: TargetTable, made: RecordSet) -> None:
     legend(axes, 3)
 
 
-def _scatter(axes: Any, target: TargetTable, made: RecordSet) -> None:
+def _scatter(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     """The standard deviation of ln Sa over the period."""
     compared = made.grid.periods[made.grid.compared]
     axes.axvspan(*target.band, color=BAND, zorder=0)

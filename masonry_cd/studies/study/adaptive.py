@@ -14,7 +14,7 @@ import numpy as np
 
 from masonry_cd.analysis.fragility.sequential import Grid
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.designs import Asked, Space
+from masonry_cd.studies.study.designs import DesignedRun, Space
 from masonry_cd.studies.study.study_file import AdaptiveTable
 
 Pair = tuple[str, float]  # of a motion and a level
@@ -38,11 +38,11 @@ class AdaptiveStripes:
         self.known: dict[Pair, bool | None] = {}  # whether a run exceeded the limit state; None of one that is no data
         self.waiting: set[Pair] = set()
 
-    def first(self) -> list[Asked]:
+    def first(self) -> list[DesignedRun]:
         """The first batch."""
         return self._batch()
 
-    def after(self, asked: Asked, exceeded: bool | None) -> list[Asked]:
+    def after(self, asked: DesignedRun, exceeded: bool | None) -> list[DesignedRun]:
         """The next batch, once all runs of the last one have ended."""
         assert asked.level is not None
         pair = (asked.motion, asked.level)
@@ -87,7 +87,7 @@ class AdaptiveStripes:
                 exceeded[place] += over
         return self.grid.posterior(exceeded, runs)
 
-    def _batch(self) -> list[Asked]:
+    def _batch(self) -> list[DesignedRun]:
         """The runs from which most is learnt, with their motions."""
         made = set(self.known)
         free = np.array([sum((motion, level) not in made for motion in self.motions) for level in self.levels.tolist()])
@@ -97,4 +97,4 @@ class AdaptiveStripes:
             turns = {motion: sum(one == motion for one, _ in made) for motion in self.motions if (motion, level) not in made}
             made.add((min(turns, key=turns.__getitem__), level))
         self.waiting = made - set(self.known)
-        return [Asked(motion, level, values=self.space.draw(motion, level)) for motion, level in sorted(self.waiting)]
+        return [DesignedRun(motion, level, values=self.space.draw(motion, level)) for motion, level in sorted(self.waiting)]

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.analysis.fragility.limits import BOUND, LimitTable
+from masonry_cd.analysis.fragility.limits import BOUND, LimitStateTable
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.studies.study.designs import Asked, Space
+from masonry_cd.studies.study.designs import DesignedRun, Space
 from masonry_cd.studies.study.plan import Maker, StudyPlan
-from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_file import ReadStudy
 from masonry_cd.studies.study.study_units import ROTATE, UNITS
 
 MOST_TRIED = 20  # values of a list for which structures are built
@@ -32,7 +32,7 @@ def scene_of_run(tables: dict[str, Any], path: Path = RUN_SCENE) -> Scene:
     return scene_of(tables, text, path, Origin("", path))
 
 
-def check_varied(study: Study, space: Space) -> None:
+def check_varied(study: ReadStudy, space: Space) -> None:
     """Try each value that a key may take, those at the ends of distributions, on the scene.
 
     Raises:
@@ -46,7 +46,7 @@ def check_varied(study: Study, space: Space) -> None:
             _check_rotation(study, value)
             continue
         try:
-            tables = maker.tables(Asked(motion, level, values={key: value}))
+            tables = maker.tables(DesignedRun(motion, level, values={key: value}))
             _try(tables, key)
         except InputError as error:
             shown = f"{value:.6g}" if isinstance(value, float) else str(value)
@@ -75,7 +75,7 @@ def check_first(plan: StudyPlan) -> tuple[str, ...]:
     return (*bound_doubts(study.tables.limit_states), *made)
 
 
-def bound_doubts(states: Mapping[str, LimitTable]) -> list[str]:
+def bound_doubts(states: Mapping[str, LimitStateTable]) -> list[str]:
     """A line on each bound of a limit state that is likely in another unit."""
     out = []
     for name, state in states.items():
@@ -106,7 +106,7 @@ def _try(tables: dict[str, Any], key: str) -> None:
         structure_of(scene)
 
 
-def _check_rotation(study: Study, value: object) -> None:
+def _check_rotation(study: ReadStudy, value: object) -> None:
     """Check that there is a pair to turn by an angle."""
     table = study.tables.records
     number = isinstance(value, (int, float)) and not isinstance(value, bool)

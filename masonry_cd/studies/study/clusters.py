@@ -68,7 +68,7 @@ class SlurmTable(Table):
 
 
 @dataclass(frozen=True)
-class Where:
+class RunPlace:
     """Where the runs of a study are made; the first that is given counts, this machine when none is."""
 
     scheduler: str | None = None  # address
@@ -84,7 +84,7 @@ class Where:
 
 
 @contextmanager
-def connected(where: Where) -> Iterator[tuple[Client, str]]:
+def connected(where: RunPlace) -> Iterator[tuple[Client, str]]:
     """A client of the cluster, and a line on it.
 
     Raises:
@@ -123,7 +123,7 @@ def _answering(address: str) -> Iterator[Client]:
 
 
 @contextmanager
-def _local(where: Where) -> Iterator[tuple[Any, str]]:
+def _local(where: RunPlace) -> Iterator[tuple[Any, str]]:
     """Workers on this machine."""
     from distributed import LocalCluster
     from distributed.system import MEMORY_LIMIT

@@ -12,13 +12,13 @@ from masonry_cd.studies.study.checks import check_first
 from masonry_cd.studies.study.folder import StudyFolder
 from masonry_cd.studies.study.limit_runs import LIMITS, limit_lines, write_limits
 from masonry_cd.studies.study.plan import StudyPlan
-from masonry_cd.studies.study.study_case import Options, RunActions, hazard_numbers, make_runs
+from masonry_cd.studies.study.study_case import RunActions, StudyOptions, hazard_numbers, make_runs
 from masonry_cd.studies.study.table import PARQUET, write_table
 
 WAYS = {"run": RunActions(write_table, check=check_first, maps=True), "limit": RunActions(write_limits)}
 
 
-def study(plan: StudyPlan, folder: Path, options: Options, say: Say) -> Result[None]:
+def study(plan: StudyPlan, folder: Path, options: StudyOptions, say: Say) -> Result[None]:
     """Make the runs of a study that are missing in a folder, and write what they say.
 
     Raises:

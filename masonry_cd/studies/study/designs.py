@@ -37,7 +37,7 @@ DIGITS = 12  # of a level, so that it reads well in the table
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class DesignedRun:
     """A run as a design asks for it."""
 
     motion: str = ""
@@ -82,7 +82,7 @@ class Space:
         return self.varied.draw(uniform_numbers(self.tables.seed, words, len(keys))) if keys else {}
 
 
-def grid(space: Space) -> Iterator[Asked]:
+def grid(space: Space) -> Iterator[DesignedRun]:
     """The runs.
 
     Raises:
@@ -93,10 +93,10 @@ def grid(space: Space) -> Iterator[Asked]:
     for motion in space.motions:
         for level in space.levels:
             for values in space.combinations():
-                yield Asked(motion, level, values=values)
+                yield DesignedRun(motion, level, values=values)
 
 
-def sample(space: Space) -> Iterator[Asked]:
+def sample(space: Space) -> Iterator[DesignedRun]:
     """The runs; with another number of samples all of them are others."""
     from scipy.stats.qmc import LatinHypercube
 
@@ -107,13 +107,13 @@ def sample(space: Space) -> Iterator[Asked]:
         yield placed(space, u)
 
 
-def placed(space: Space, u: np.ndarray) -> Asked:
+def placed(space: Space, u: np.ndarray) -> DesignedRun:
     """The run at a point (d,) of the unit cube, whose coordinates are of the distributions, the lists, the motions and the levels."""
     lists, keys = space.varied.lists, space.varied.keys
     values: dict[str, Any] = space.varied.draw(u[: len(keys)])
     values |= {key: _at(u[len(keys) + i], lists[key]) for i, key in enumerate(lists)}
     ordered = {key: values[key] for key in space.varied.columns}
-    return Asked(_at(u[-2], space.motions), _at(u[-1], space.levels), values=ordered)
+    return DesignedRun(_at(u[-2], space.motions), _at(u[-1], space.levels), values=ordered)
 
 
 def _at(u: float, choices: Sequence[Any]) -> Any:
@@ -121,22 +121,22 @@ def _at(u: float, choices: Sequence[Any]) -> Any:
     return choices[min(int(u * len(choices)), len(choices) - 1)]
 
 
-def stripes(space: Space) -> Iterator[Asked]:
+def stripes(space: Space) -> Iterator[DesignedRun]:
     """The runs; a draw follows from motion, level and the values of lists, so more of these change none that is there."""
     for motion in space.motions:
         for level in space.levels:
             for values in space.combinations():
-                yield Asked(motion, level, values=values | space.draw(motion, level, *values.items()))
+                yield DesignedRun(motion, level, values=values | space.draw(motion, level, *values.items()))
 
 
-def cloud(space: Space) -> Iterator[Asked]:
+def cloud(space: Space) -> Iterator[DesignedRun]:
     """A run for each motion."""
     for motion in space.motions:
         for values in space.combinations():
-            yield Asked(motion, values=values | space.draw(motion, *values.items()))
+            yield DesignedRun(motion, values=values | space.draw(motion, *values.items()))
 
 
-def ensemble(space: Space) -> Iterator[Asked]:
+def ensemble(space: Space) -> Iterator[DesignedRun]:
     """The runs: as many members for each motion and each combination of what varies; a member's change is drawn by its number alone."""
     asked = space.tables.ensemble or EnsembleTable()
     for motion in space.motions:
@@ -145,18 +145,18 @@ def ensemble(space: Space) -> Iterator[Asked]:
             for member in range(asked.members):
                 u = float(uniform_numbers(space.tables.seed, ("member", member), 1)[0])
                 change = 0.0 if member == 0 else asked.size * (2.0 * u - 1.0)
-                yield Asked(motion, member=member, change=change, values=drawn)
+                yield DesignedRun(motion, member=member, change=change, values=drawn)
 
 
-def ida(space: Space) -> Iterator[Asked]:
+def ida(space: Space) -> Iterator[DesignedRun]:
     """The first run of each motion."""
     assert space.tables.ida is not None
     for motion in space.motions:
         for values in space.combinations():
-            yield Asked(motion, space.tables.ida.start, values=values | space.draw(motion, *values.items()))
+            yield DesignedRun(motion, space.tables.ida.start, values=values | space.draw(motion, *values.items()))
 
 
-DESIGNS: Mapping[str, Callable[[Space], Iterator[Asked]]] = {
+DESIGNS: Mapping[str, Callable[[Space], Iterator[DesignedRun]]] = {
     "grid": grid, "sample": sample, "stripes": stripes, "cloud": cloud, "ensemble": ensemble, "ida": ida,
 }  # fmt: skip
 

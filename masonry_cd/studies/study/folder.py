@@ -30,7 +30,7 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
 from masonry_cd.studies.study.plan import Planned
-from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_file import ReadStudy
 from masonry_cd.studies.study.task import ROWS, SCENE, Outcome
 from masonry_cd.studies.study.watchdog import SUFFIX as HANG
 
@@ -98,7 +98,7 @@ class StudyFolder:
             shutil.rmtree(self.path / name, ignore_errors=True)
         (self.path / NAME).unlink(missing_ok=True)
 
-    def begin(self, study: Study, facts: StudyFacts) -> None:
+    def begin(self, study: ReadStudy, facts: StudyFacts) -> None:
         """Write what the study is."""
         old = is_study(self.path)
         self.hold()

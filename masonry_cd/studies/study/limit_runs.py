@@ -28,9 +28,9 @@ def limit_row(scene: Scene) -> dict[str, Any]:
     Raises:
         InputError: a limit analysis without an answer.
     """
-    from masonry_cd.limit.case import Wanted, limit_case
+    from masonry_cd.limit.case import WantedMechanisms, limit_case
 
-    case = limit_case(scene, wanted=Wanted(jobs=1))
+    case = limit_case(scene, wanted=WantedMechanisms(jobs=1))
     whole, verdict = case.whole, case.verdict
     found: dict[str, Any] = dict.fromkeys(COLUMNS)
     if whole is not None:

@@ -24,9 +24,9 @@ from masonry_cd.app.scene_text import assign, dump_toml
 from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.adaptive import AdaptiveStripes
-from masonry_cd.studies.study.clusters import Where, require_slurm
-from masonry_cd.studies.study.designs import DESIGNS, Asked, Space, next_level
-from masonry_cd.studies.study.study_file import EnsembleTable, RunTable, Study, StudyTables
+from masonry_cd.studies.study.clusters import RunPlace, require_slurm
+from masonry_cd.studies.study.designs import DESIGNS, DesignedRun, Space, next_level
+from masonry_cd.studies.study.study_file import EnsembleTable, ReadStudy, RunTable, StudyTables
 from masonry_cd.studies.study.study_units import ROTATE
 from masonry_cd.studies.study.varied import Varied
 
@@ -43,14 +43,14 @@ class Planned:
     """A run of the plan."""
 
     name: str
-    asked: Asked
+    asked: DesignedRun
     weight: float  # steps of the loads
 
 
 class Maker:
     """Makes scenes of what a design asks for."""
 
-    def __init__(self, study: Study, space: Space) -> None:
+    def __init__(self, study: ReadStudy, space: Space) -> None:
         self.study, self.space = study, space
         self._base = _base_tables(study)
         self._digests: dict[str, str] = {}
@@ -61,7 +61,7 @@ class Maker:
         _make_absolute(tables, self.study.scene.folder)
         return tables
 
-    def tables(self, asked: Asked) -> dict[str, Any]:
+    def tables(self, asked: DesignedRun) -> dict[str, Any]:
         """The tables of a run's scene; paths in it are absolute.
 
         Raises:
@@ -77,7 +77,7 @@ class Maker:
         _make_absolute(tables, self.study.scene.folder)
         return tables
 
-    def planned(self, asked: Asked) -> Planned:
+    def planned(self, asked: DesignedRun) -> Planned:
         """The run with its name.
 
         Raises:
@@ -98,7 +98,7 @@ class Maker:
         _replace_paths(plain, self._digest)
         return hashlib.sha256(json.dumps(plain, sort_keys=True, default=str).encode()).hexdigest()[:NAME_LENGTH]
 
-    def measures(self, asked: Asked) -> dict[str, float]:
+    def measures(self, asked: DesignedRun) -> dict[str, float]:
         """The intensity measures of a run, by their columns."""
         records, intensity = self.space.records, self.study.tables.intensity
         if records is None or records.table.key is not None:
@@ -106,7 +106,7 @@ class Maker:
         motion, degrees = self.space.motion(asked.motion), self._degrees(asked)
         return records.scaled(motion, degrees, records.factor(motion, degrees, asked.level), asked.level)
 
-    def _shake(self, tables: dict[str, Any], asked: Asked) -> None:
+    def _shake(self, tables: dict[str, Any], asked: DesignedRun) -> None:
         """Put the motion and its level into the scene."""
         records, intensity = self.space.records, self.study.tables.intensity
         if intensity is not None and intensity.key is not None and asked.level is not None:
@@ -123,7 +123,7 @@ class Maker:
         if records.table.duration == "record":
             tables["run"]["duration"] = motion.duration + records.table.rest
 
-    def _perturb(self, tables: dict[str, Any], asked: Asked) -> None:
+    def _perturb(self, tables: dict[str, Any], asked: DesignedRun) -> None:
         """Make the scene that of a member of an ensemble."""
         ensemble = self.study.tables.ensemble or EnsembleTable()
         if ensemble.perturb == "velocities":
@@ -132,7 +132,7 @@ class Maker:
         else:
             perturb(tables, ensemble.perturb, asked.change)
 
-    def _degrees(self, asked: Asked) -> float:
+    def _degrees(self, asked: DesignedRun) -> float:
         """Return the angle by which the horizontal pair is turned [degrees]."""
         assert self.space.records is not None
         return float(asked.values.get(ROTATE, self.space.records.table.rotate))
@@ -154,7 +154,7 @@ class StudyPlan:
         design: what the folder calls it.
     """
 
-    def __init__(self, maker: Maker, asked: Iterable[Asked] | None = None, design: str = "") -> None:
+    def __init__(self, maker: Maker, asked: Iterable[DesignedRun] | None = None, design: str = "") -> None:
         self.maker, self._study = maker, maker.study
         self.design = design or maker.study.tables.design
         table = self._study.tables.adaptive
@@ -165,7 +165,7 @@ class StudyPlan:
         self.runs: list[Planned] = [maker.planned(one) for one in asked]
         self._found: dict[tuple[str, str], dict[float, bool | None]] = {}  # by motion and what varies: collapsed, by level
 
-    def where(self, workers: int | None = None, scheduler: str | None = None, slurm: Path | None = None) -> Where:
+    def where(self, workers: int | None = None, scheduler: str | None = None, slurm: Path | None = None) -> RunPlace:
         """Where the runs are made: as asked, or else as the study says.
 
         Raises:
@@ -178,7 +178,7 @@ class StudyPlan:
         if slurm is not None:
             require_slurm(slurm)
         run = self._study.tables.run
-        return Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
+        return RunPlace(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace)
 
     @property
     def line(self) -> str:
@@ -203,14 +203,14 @@ class StudyPlan:
             self.runs.append(following)
             yield following
 
-    def _hunted(self, asked: Asked, exceeded: bool | None) -> list[Asked]:
+    def _hunted(self, asked: DesignedRun, exceeded: bool | None) -> list[DesignedRun]:
         """The next run of an IDA's motion, if there is one."""
         table = self._study.tables.ida
         assert table is not None and asked.level is not None
         found = self._found.setdefault((asked.motion, repr(sorted(asked.values.items()))), {})
         found[asked.level] = exceeded
         level = next_level(table, found)
-        return [] if level is None else [Asked(asked.motion, level, values=asked.values)]
+        return [] if level is None else [DesignedRun(asked.motion, level, values=asked.values)]
 
     def shuffled(self, runs: Sequence[Planned]) -> list[Planned]:
         """Runs in the order in which they are made: a random one, so that those that are done stand for the others."""
@@ -228,7 +228,7 @@ class StudyPlan:
         return sorted(self.runs, key=lambda run: (place[run.asked.motion], repr(sorted(run.asked.values.items())), run.asked.level or 0.0))
 
 
-def _base_tables(study: Study) -> dict[str, Any]:
+def _base_tables(study: ReadStudy) -> dict[str, Any]:
     """The tables of the scene with what all runs have in common.
 
     Raises:
@@ -322,12 +322,12 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return tables
 
 
-def space_of(scene: Scene, tables: dict[str, Any]) -> tuple[Study, Space]:
+def space_of(scene: Scene, tables: dict[str, Any]) -> tuple[ReadStudy, Space]:
     """The study of a scene and its tables, and what its runs choose from: nothing by itself."""
     own = replace(scene_of(tables, scene.text, scene.path, scene.origin), quiet_checks=scene.quiet_checks)
     ensemble = EnsembleTable(perturb=_perturbs(tables), size=SIZE)
     top = StudyTables(scene=tables, design="ensemble", title=scene.title, ensemble=ensemble, run=RunTable(timeout=TIMEOUT))
-    study = Study(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
+    study = ReadStudy(scene.path, dump_toml(tables), top, own, tables, scene.path.name, Varied({}, {}, []), scene.origin)
     return study, Space(top, None, study.varied)
 
 

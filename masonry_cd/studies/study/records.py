@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from loads.signal.accelerogram import Accelerogram, process
-from loads.signal.baseline import History
+from loads.signal.baseline import GroundHistory
 from loads.signal.directions import rotated
 from loads.signal.intensity import arias
 from loads.signal.measures import Measure, parse
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.studies.study.record_tables import RecordsTable
-from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_file import ReadStudy
 
 COMMON = ("PGA", "PGV", "PGD", "Arias", "CAV", "D5-95")  # measures that cost next to nothing
 MOST_NAMED = 4  # files or motions in a message
@@ -46,9 +46,9 @@ class RecordMotion:
     value: Any = None
     window: tuple[float, float] | None = None  # where it was trimmed [s]
     duration: float = 0.0  # of what shakes [s]
-    histories: dict[str, History] = field(default_factory=dict)  # by axis, before any rotation
+    histories: dict[str, GroundHistory] = field(default_factory=dict)  # by axis, before any rotation
 
-    def rotated(self, degrees: float) -> dict[str, History]:
+    def rotated(self, degrees: float) -> dict[str, GroundHistory]:
         """The components, the horizontal pair turned about z."""
         if degrees == 0.0 or not {"x", "y"} <= self.histories.keys():
             return self.histories
@@ -117,7 +117,7 @@ def _shares(axis: str, angle: float, motion: RecordMotion) -> list[tuple[str, st
     return [(axis, of, share) for of, share in zip(("x", "y"), pair, strict=True) if abs(share) > 1e-12]
 
 
-def find_records(study: Study) -> Records | None:
+def find_records(study: ReadStudy) -> Records | None:
     """The motions of a study, read and measured; None where it has none.
 
     Raises:
@@ -241,13 +241,13 @@ def read_motion(motion: RecordMotion, table: RecordsTable, dt: float) -> RecordM
     return RecordMotion(motion.name, motion.files, None, window, duration, histories)
 
 
-def _history(path: Path, table: RecordsTable, dt: float, window: tuple[float, float] | None) -> History:
+def _history(path: Path, table: RecordsTable, dt: float, window: tuple[float, float] | None) -> GroundHistory:
     """A component as it will shake the base."""
     keys = parse_table(Accelerogram, {"path": str(path), **table.load_keys(window)}, "records")
     return process(keys, path.parent, dt, "records").after
 
 
-def _trimmed(raw: Mapping[str, History], table: RecordsTable, shortest: float) -> tuple[float, float]:
+def _trimmed(raw: Mapping[str, GroundHistory], table: RecordsTable, shortest: float) -> tuple[float, float]:
     """The window in which the Arias intensity of the shaking components builds up [s]."""
     assert table.trim is not None
     step = raw[table.shaken[0]].step

@@ -19,14 +19,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extras import require
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_varied
-from masonry_cd.studies.study.clusters import Where, connected
+from masonry_cd.studies.study.clusters import RunPlace, connected
 from masonry_cd.studies.study.designs import Space
 from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
 from masonry_cd.studies.study.plan import Maker, Planned, StudyPlan
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
-from masonry_cd.studies.study.study_file import Study, read_study
+from masonry_cd.studies.study.study_file import ReadStudy, read_study
 from masonry_cd.studies.study.table import Rows
 from masonry_cd.studies.study.task import Outcome, Task, run_task
 
@@ -35,10 +35,10 @@ KEPT = "finished runs are kept"
 
 
 @dataclass(frozen=True)
-class Options:
+class StudyOptions:
     """How a study is made; what the study file says of it is used where nothing is given."""
 
-    where: Where
+    where: RunPlace
     retry: bool = False  # make failed runs again
     force: bool = False  # begin again
     resume: bool = False  # refuse a folder that holds no study
@@ -59,7 +59,7 @@ class RunActions:
 
 
 @dataclass(frozen=True)
-class Made:
+class StudyOutcome:
     """Outcome of the runs of a plan."""
 
     runs: int  # planned
@@ -102,7 +102,7 @@ def plan_of(path: Path) -> StudyPlan:
     return plan_of_study(read_study(path))
 
 
-def plan_of_study(study: Study) -> StudyPlan:
+def plan_of_study(study: ReadStudy) -> StudyPlan:
     """The plan of a study whose tables are checked; nothing is written.
 
     Raises:
@@ -116,7 +116,7 @@ def plan_of_study(study: Study) -> StudyPlan:
         return StudyPlan(Maker(study, space))
 
 
-def space_of_study(study: Study) -> Space:
+def space_of_study(study: ReadStudy) -> Space:
     """The space from which the runs of a study are chosen, once each value that varies has been tried on its scene.
 
     Raises:
@@ -128,7 +128,7 @@ def space_of_study(study: Study) -> Space:
     return space
 
 
-def make_runs(plan: StudyPlan, folder: Path, options: Options, say: Say, ways: RunActions) -> Made:
+def make_runs(plan: StudyPlan, folder: Path, options: StudyOptions, say: Say, ways: RunActions) -> StudyOutcome:
     """Make the runs of a plan that are missing in a folder.
 
     Args:
@@ -171,12 +171,12 @@ def require_own(plan: StudyPlan, folder: Path) -> None:
 class _Making:
     """A study on its way."""
 
-    def __init__(self, plan: StudyPlan, folder: StudyFolder, options: Options, say: Say, ways: RunActions) -> None:
+    def __init__(self, plan: StudyPlan, folder: StudyFolder, options: StudyOptions, say: Say, ways: RunActions) -> None:
         self.plan, self.folder, self.options, self.say, self.ways = plan, folder, options, say, ways
         self.rows = folder.finished(options.retry)
         self.stopped, self.signal = "", 0
 
-    def make(self) -> Made:
+    def make(self) -> StudyOutcome:
         """Make the missing runs and write what they say."""
         missing, known = self._missing()
         more = " so far" if self.plan.adapts else ""
@@ -192,7 +192,7 @@ class _Making:
         runs = self.plan.ordered()
         self.ways.write(self.folder.path, self.plan, self.rows)
         self.folder.describe(_facts(self.plan, None if self.stopped else len(runs)))
-        return Made(len(runs), {run.name: self.rows[run.name] for run in runs if run.name in self.rows}, self.stopped, self.signal)
+        return StudyOutcome(len(runs), {run.name: self.rows[run.name] for run in runs if run.name in self.rows}, self.stopped, self.signal)
 
     def _missing(self) -> tuple[list[Planned], set[str]]:
         """The runs to be made, each once, in the order of the plan's choice; and the names of all that are known."""
@@ -280,7 +280,7 @@ def _identity(plan: StudyPlan) -> dict[str, str]:
     } | ({"set of observations": digest_of([observed, tables.modal])} if observed else {})
 
 
-def hazard_numbers(study: Study) -> dict[str, Any] | None:
+def hazard_numbers(study: ReadStudy) -> dict[str, Any] | None:
     """The rows of the hazard of the study's scene; None without one, and of a life alone.
 
     Raises:

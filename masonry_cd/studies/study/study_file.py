@@ -25,7 +25,7 @@ from pydantic import Field, field_validator
 
 from loads.signal.directions import Rule
 from masonry_cd.analysis.calibration.observations import Observation
-from masonry_cd.analysis.fragility.limits import LimitTable
+from masonry_cd.analysis.fragility.limits import LimitStateTable
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
@@ -36,7 +36,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.study_units import study_in_si
-from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
+from masonry_cd.studies.study.varied import KeyCorrelation, Varied, read_varied
 
 FORMAT = 1
 MASONRY = "material.masonry."  # beginning of its keys
@@ -165,9 +165,9 @@ class StudyTables(Table):
     """Intensity that motions are scaled to or measured by."""
     vary: dict[str, Any] = Field(default_factory=dict)
     """Keys of the scene that vary."""
-    correlation: list[Correlation] = Field(default_factory=list)
+    correlation: list[KeyCorrelation] = Field(default_factory=list)
     """Correlations of keys that vary."""
-    limit_states: dict[str, LimitTable] = Field(default_factory=dict)
+    limit_states: dict[str, LimitStateTable] = Field(default_factory=dict)
     """Limit states that each run is asked for."""
     loss_ratios: dict[str, Annotated[Number, Field(ge=0.0, le=1.0)]] = Field(default_factory=dict)
     """Cost of repair over that of reconstruction of limit states by name, for vulnerability.xml and the mean annual loss."""
@@ -188,7 +188,7 @@ class StudyTables(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class ReadStudy:
     """A study file whose tables are checked."""
 
     path: Path
@@ -215,7 +215,7 @@ class Study:
         return self.origin.locating()
 
 
-def read_study(path: Path | str) -> Study:
+def read_study(path: Path | str) -> ReadStudy:
     """Read and check a study file and its scene.
 
     Raises:
@@ -225,7 +225,7 @@ def read_study(path: Path | str) -> Study:
     return parse_study(_study_text(path), path)
 
 
-def parse_study(text: str, path: Path, called: str = "") -> Study:
+def parse_study(text: str, path: Path, called: str = "") -> ReadStudy:
     """Check the text of a study and its scene.
 
     Args:
@@ -254,7 +254,7 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
         own = scene_in_si(scene.tables)  # runs change some of them, and compute with others
     if any(key.startswith(MASONRY) for key in varied.columns) and isinstance(own["material"].get("masonry"), str):
         own["material"] = {**own["material"], "masonry": {"kind": own["material"]["masonry"]}}
-    return Study(path, text, top, scene, own, top.scene if isinstance(top.scene, str) else path.name, varied, origin)
+    return ReadStudy(path, text, top, scene, own, top.scene if isinstance(top.scene, str) else path.name, varied, origin)
 
 
 def _scene(given: object, path: Path, origin: Origin) -> Scene | None:

@@ -152,7 +152,7 @@ class Samples(Table):
 Random = Distribution | Samples
 
 
-class Correlation(Table):
+class KeyCorrelation(Table):
     """Keys of ``[vary]`` that vary together."""
 
     keys: Annotated[list[str], Field(min_length=2)]
@@ -164,7 +164,7 @@ class Correlation(Table):
 class Varied:
     """All that varies: ``lists`` by key, and ``random`` by key."""
 
-    def __init__(self, lists: Mapping[str, list[Any]], random: Mapping[str, Random], correlations: Sequence[Correlation]) -> None:
+    def __init__(self, lists: Mapping[str, list[Any]], random: Mapping[str, Random], correlations: Sequence[KeyCorrelation]) -> None:
         self.lists, self.random = dict(lists), dict(random)
         self._together = [place for place, one in enumerate(self.random.values()) if isinstance(one, Samples)]
         self._correlations = [(tuple(self.keys.index(key) for key in group.keys), _factor(group)) for group in correlations]
@@ -196,7 +196,7 @@ class Varied:
         return {key: self.random[key].quantile(float(value)) for key, value in zip(self.keys, u, strict=True)}
 
 
-def _factor(group: Correlation) -> np.ndarray:
+def _factor(group: KeyCorrelation) -> np.ndarray:
     """L of R = L L^T, lower triangular."""
     n = len(group.keys)
     if not group.rho > -1.0 / (n - 1):
@@ -206,7 +206,7 @@ def _factor(group: Correlation) -> np.ndarray:
 
 def read_varied(
     table: Mapping[str, Any],
-    correlations: Sequence[Correlation],
+    correlations: Sequence[KeyCorrelation],
     unit_of_key: Callable[[str], str] = lambda _: "",
     folder: Path = Path(),
     ranges: Mapping[str, tuple[float, float]] | None = None,

@@ -14,7 +14,7 @@ from loads.signal.spectra.ec8 import ec8
 from loads.signal.spectra.ntc import ntc
 from masonry_cd.analysis.code_check.check import check_at, with_borne
 from masonry_cd.analysis.code_check.ground import ground_of
-from masonry_cd.analysis.code_check.level import Level
+from masonry_cd.analysis.code_check.level import HeldLevel
 from masonry_cd.analysis.code_check.steps import CodeCheck
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import NO_SEARCH
@@ -35,7 +35,7 @@ def wall() -> Oscillator:
 
 def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, doubt: str = NO_SEARCH) -> CodeCheck:
     """The check of a mechanism at the height of its table, with what it just bears."""
-    ground, level = ground_of(table, folder), Level(0.0, table.height, "limit.check.height", table.height)
+    ground, level = ground_of(table, folder), HeldLevel(0.0, table.height, "limit.check.height", table.height)
     return with_borne(check_at(table, level, oscillator, ground, doubt), table, level, oscillator, ground)
 
 

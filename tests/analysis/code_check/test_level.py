@@ -12,7 +12,7 @@ from models import box, ground
 
 from masonry_cd.analysis.code_check.level import foundation_of, level_of
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.held import held_at
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.foundation.errors import InputError, parse_table
@@ -25,7 +25,7 @@ def pushed(blocks, mu=0.6):
     """The mechanism of a push along x, with blocks and joints."""
     assembly, joints = joined(blocks, mu)
     return (
-        analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), Options(starts=0)).collapse(joints.count).mechanism,
+        analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), LimitOptions(starts=0)).collapse(joints.count).mechanism,
         assembly,
         joints,
     )

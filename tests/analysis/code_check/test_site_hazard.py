@@ -12,7 +12,7 @@ from test_code_check import ALPHA, G, wall
 
 from masonry_cd.analysis.code_check.check import check_at, with_borne
 from masonry_cd.analysis.code_check.ground import ground_of
-from masonry_cd.analysis.code_check.level import Level
+from masonry_cd.analysis.code_check.level import HeldLevel
 from masonry_cd.analysis.code_check.site import completed, known_at
 from masonry_cd.analysis.code_check.steps import CodeCheck, with_numbers
 from masonry_cd.analysis.code_check.table import CheckTable
@@ -35,7 +35,7 @@ def hazard(rows: int = 5, life: Life | None = None, shapes: bool = True) -> Haza
 def checked(site: Hazard, **keys: object) -> CodeCheck:
     """The check of the wall of test_code_check."""
     table = parse_table(CheckTable, completed({"spectrum": "NTC"} | keys, site), "limit.check")
-    ground, level = ground_of(table, Path(), known_at(site, table)), Level(0.0, 0.0, "", 0.0)
+    ground, level = ground_of(table, Path(), known_at(site, table)), HeldLevel(0.0, 0.0, "", 0.0)
     return with_borne(check_at(table, level, wall(), ground, ""), table, level, wall(), ground)
 
 
@@ -82,7 +82,7 @@ def test_f0_and_tc_star_follow_the_ag_that_is_just_borne():
     assert row.intensity == pytest.approx(displaced.borne)
     table = {"ag": displaced.borne, "f0": row.f0, "tc_star": row.tc_star, "spectrum": "NTC", "ground": "C"}
     own = parse_table(CheckTable, table, "limit.check")
-    there = check_at(own, Level(0.0, 0.0, "", 0.0), wall(), ground_of(own, Path()), "")
+    there = check_at(own, HeldLevel(0.0, 0.0, "", 0.0), wall(), ground_of(own, Path()), "")
     assert there.verdicts[1].met == pytest.approx(1.0, rel=1e-9)
     assert made.risk.capacities[2].state == "SLC" and made.risk.capacities[2].ag > displaced.borne
 

@@ -256,7 +256,7 @@ def test_hinges_count_from_the_opening_that_the_report_asks_for(tmp_path: Path) 
     states = [at_rest(PIER_PEAKS), leaning(0.06), at_rest(PIER_PEAKS)]  # 1 mm
     with Results.open(write_run(tmp_path / "result.h5", PIER_PEAKS, states, every=2)) as results:
         found = [
-            len(part_damage.part_damage(results, part_damage.Settings(thresholds=Thresholds(opened=opened))).hinges)
+            len(part_damage.part_damage(results, part_damage.DamageSettings(thresholds=Thresholds(opened=opened))).hinges)
             for opened in (1e-4, 1e-3, 1.1e-3)
         ]
     assert found == [1, 1, 0]
@@ -303,7 +303,9 @@ def test_steps_give_what_frames_of_every_step_give(tmp_path: Path, scene: str, c
     run_case(case, tmp_path)
     with Results.open(tmp_path / "result.h5") as results:
         every = np.arange(results.frames)
-        steps, frames = (part_damage.part_damage(results, part_damage.Settings(thresholds=t), every) for t in (Thresholds(), BY_FRAMES))
+        steps, frames = (
+            part_damage.part_damage(results, part_damage.DamageSettings(thresholds=t), every) for t in (Thresholds(), BY_FRAMES)
+        )
     assert (steps.of_steps, frames.of_steps) == (True, False)
     assert len({row["time"] for row in steps.history}) == case.steps + 1
     assert steps.parts[-1]["max_drift"] > 1e-4 and (steps.parts[-1]["lost_blocks"] > 0) == lost

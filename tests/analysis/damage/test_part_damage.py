@@ -36,7 +36,7 @@ WALL = [
 
 def damage_of(folder: Path, blocks: Sequence[Block], states: Sequence[State], **settings: object) -> part_damage.PartDamage:
     with Results.open(write_run(folder / "result.h5", blocks, states)) as results:
-        return part_damage.part_damage(results, part_damage.Settings(**settings))  # type: ignore[arg-type]
+        return part_damage.part_damage(results, part_damage.DamageSettings(**settings))  # type: ignore[arg-type]
 
 
 def rows_of(damage: part_damage.PartDamage) -> dict[str, dict[str, object]]:

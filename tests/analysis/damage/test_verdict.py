@@ -15,7 +15,7 @@ from made_run import at_rest, box, shifted, write_run
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.verdict import checks_of
-from masonry_cd.analysis.fragility.limits import LimitState, LimitTable
+from masonry_cd.analysis.fragility.limits import LimitState, LimitStateTable
 from masonry_cd.analysis.outputs.measured import in_short
 from masonry_cd.analysis.run_row import DONE, RunRow
 from masonry_cd.app.closing_lines import part_lines
@@ -158,7 +158,7 @@ def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
     assert next(values for name, _, values in found.rows if name == "grade") == ["not graded", "D2"]
     assert any(word.startswith(f"cut: not graded: {CUT}") for word in found.words)
     scene = parse_scene(SCENE + "[run]\ndt = 1e-3\nduration = 1.0\n", tmp_path / "scene.toml")
-    state = LimitState.of("heavy", LimitTable(quantity="grade", at_least="D2"))
+    state = LimitState.of("heavy", LimitStateTable(quantity="grade", at_least="D2"))
     exceeded = []
     for folder in (cut, ended):
         with Results.open(folder / "result.h5") as results:

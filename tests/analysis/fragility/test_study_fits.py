@@ -10,7 +10,7 @@ from scipy.stats import binom, norm
 
 from masonry_cd.analysis.fragility import betas
 from masonry_cd.analysis.fragility.bootstrap import band, replicates
-from masonry_cd.analysis.fragility.censored import Weights, regression
+from masonry_cd.analysis.fragility.censored import ReplicateWeights, regression
 from masonry_cd.analysis.fragility.cloud import bend_of, cloud_of, fit_line, least_demand
 from masonry_cd.analysis.fragility.fragility import ALL, FALLING, FITTED, NONE, SEPARATED, by_level, falls, fit_counts
 from masonry_cd.analysis.fragility.ida import Capacities, capacities, capacity_quantiles, curves_of, demand_quantiles, fit_capacities
@@ -122,7 +122,7 @@ def test_uncensored_regression_is_least_squares():
     x = np.column_stack([np.ones(60), random.normal(size=60)])
     y = x @ [1.5, 2.0] + 0.4 * random.normal(size=60)
     one, zero = np.ones((1, 60)), np.zeros((1, 60))
-    c, s = regression(x, y, Weights(one, zero, zero))
+    c, s = regression(x, y, ReplicateWeights(one, zero, zero))
     expected, rest, *_ = np.linalg.lstsq(x, y, rcond=None)
     assert c[0] == pytest.approx(expected, rel=1e-8)
     assert s[0] == pytest.approx(np.sqrt(rest[0] / 60), rel=1e-8)

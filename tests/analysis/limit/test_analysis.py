@@ -12,14 +12,14 @@ from limit_loads import joined, push_loads, pushed
 from models import GRAVITY, box, ground
 
 from benchmarks.dry_walls import FRICTION, dry_wall
-from masonry_cd.analysis.limit.analysis import Options, analyse, certificate
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse, certificate
 from masonry_cd.analysis.limit.interfaces import area_shares
 from masonry_cd.analysis.limit.mechanism import STATES
-from masonry_cd.analysis.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 
-QUIET = Options(starts=0)
+QUIET = LimitOptions(starts=0)
 
 
 def pillar(width=0.5, depth=0.3, height=1.5, friction=0.6, direction=(1.0, 0.0, 0.0), laws=None):
@@ -111,7 +111,7 @@ def test_a_support_that_gives_way_bears_what_balance_leaves_it():
     loads = push_loads(assembly)
     moves = np.zeros((3, 3))
     moves[1, 2] = -1.0
-    found = analyse(assembly, joints, Loads(loads.dead, 0.0 * loads.live, Bars.none(), moves), QUIET)
+    found = analyse(assembly, joints, BlockLoads(loads.dead, 0.0 * loads.live, Bars.none(), moves), QUIET)
     weight = GRAVITY * assembly.mass[2]
     assert -found.associated.factor * found.problem.weight == pytest.approx(weight * (0.5 * length - ledge) / (length - ledge), rel=1e-9)
     assert found.least is None
@@ -127,7 +127,7 @@ def test_the_dual_of_a_wall_is_a_mechanism_that_opens_closes_nothing_and_works_w
     blocks = dry_wall(3)
     assembly, joints = joined(blocks, FRICTION)
     loads = push_loads(assembly)
-    found = analyse(assembly, joints, loads, Options(starts=1))
+    found = analyse(assembly, joints, loads, LimitOptions(starts=1))
     for moves in (found.associated.mechanism, found.least_mechanism):
         assert moves is not None
         assert np.sum(loads.live[:, :3] * moves.velocity[:, :3]) > 0
@@ -158,7 +158,7 @@ def test_a_certificate_tells_a_wrong_answer_from_a_right_one():
 
 
 def test_equal_seeds_give_equal_answers():
-    first, second = (pushed(dry_wall(4), FRICTION, options=Options(starts=2, seed=3)) for _ in range(2))
+    first, second = (pushed(dry_wall(4), FRICTION, options=LimitOptions(starts=2, seed=3)) for _ in range(2))
     assert first.least is not None and second.least is not None
     assert first.least.found == second.least.found
 

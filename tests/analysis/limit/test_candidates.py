@@ -10,24 +10,24 @@ import pytest
 from limit_loads import everything, joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
+from masonry_cd.analysis.limit.analysis import Analysis, LimitOptions, analyse
 from masonry_cd.analysis.limit.candidates import (
     UNTIED,
     candidates,
     tied_factor,
     with_untied,
 )
-from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, Found, dilation
+from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, FoundMechanism, dilation
 from masonry_cd.analysis.limit.mechanism import mechanism
 from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.analysis.limit.problem import Bars, limit_problem
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 
-def found_of(blocks: list[Block], friction: float, bars: Bars | None = None) -> tuple[Analysis, list[Found], list[Oscillator]]:
+def found_of(blocks: list[Block], friction: float, bars: Bars | None = None) -> tuple[Analysis, list[FoundMechanism], list[Oscillator]]:
     """An analysis under a push along x, the mechanisms looked at, and their oscillators."""
     assembly, joints = joined(blocks, friction)
-    loads, options = replace(push_loads(assembly), bars=bars or Bars.none()), Options(starts=2)
+    loads, options = replace(push_loads(assembly), bars=bars or Bars.none()), LimitOptions(starts=2)
     analysis = analyse(assembly, joints, loads, options)
     analysis, untied, _ = with_untied(analysis, assembly, joints, options)
     looked = candidates(analysis, untied, everything(assembly, joints, analysis, loads))
@@ -59,9 +59,9 @@ def test_without_the_ties_that_hold_it_up_a_structure_has_no_mechanism_and_a_rem
     assembly, joints = joined(beam, 0.65)
     rod = Bars(np.array([[2, 0]]), np.array([[[0.3, 0.0, 0.7], [0.3, 0.0, -0.2]]]), np.array([1e5]))
     loads = replace(push_loads(assembly), bars=rod)
-    analysis = analyse(assembly, joints, loads, Options(starts=1))
+    analysis = analyse(assembly, joints, loads, LimitOptions(starts=1))
     assert analysis.stands
-    kept, untied, why = with_untied(analysis, assembly, joints, Options(starts=1))
+    kept, untied, why = with_untied(analysis, assembly, joints, LimitOptions(starts=1))
     assert kept is analysis and not untied and "without its ties" in why
 
 
@@ -104,7 +104,7 @@ def test_what_spreads_over_many_bodies_is_no_oscillator() -> None:
     """Twelve pillars that lean one by one: the same e* = 1 by its formula; and one that leans next to a heavy one that hardly moves."""
     apart = [box(f"p{k}", (k, -0.2, 0.0), (k + 0.5, 0.2, 1.5)) for k in range(12)]
     assembly, joints = joined([ground(20.0), *apart], 0.65)
-    options = Options(starts=0)
+    options = LimitOptions(starts=0)
     analysis = analyse(assembly, joints, push_loads(assembly), options)
     part = everything(assembly, joints, analysis, push_loads(assembly))
     (lean,) = candidates(analysis, [], part)
@@ -140,7 +140,7 @@ def some_bars(assembly: Assembly, count: int, seed: int) -> Bars:
 def test_more_ties_never_lower_the_least_acceleration_over_a_fixed_set_of_mechanisms(seed: int) -> None:
     assembly, joints = joined(wall(), 0.5)
     bare = push_loads(assembly)
-    analysis = analyse(assembly, joints, bare, Options(starts=3, seed=seed))
+    analysis = analyse(assembly, joints, bare, LimitOptions(starts=3, seed=seed))
     assert analysis.least is not None
     optima = [analysis.associated.optimum, *analysis.least.ends]
     moves = [mechanism(analysis.problem, assembly, joints, optimum.velocity) for optimum in optima]
@@ -185,7 +185,7 @@ def test_over_random_walls_and_churches_more_ties_never_lower_the_ratio(make, se
     random = np.random.default_rng(seed)
     assembly, joints = joined(make(random), 0.5)
     bare = push_loads(assembly)
-    analysis = analyse(assembly, joints, bare, Options(starts=2, seed=seed))
+    analysis = analyse(assembly, joints, bare, LimitOptions(starts=2, seed=seed))
     assert analysis.stands and analysis.least is not None
     optima = [analysis.associated.optimum, *analysis.least.ends]
     moves = [mechanism(analysis.problem, assembly, joints, optimum.velocity) for optimum in optima]

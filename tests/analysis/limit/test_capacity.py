@@ -12,10 +12,10 @@ from models import GRAVITY, box, ground
 from released_from_curve import brackets
 
 from benchmarks.dry_walls import FRICTION, dry_wall
-from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.analysis import LimitOptions
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.moved import Placement
-from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
+from masonry_cd.analysis.limit.problem import Arms, Bars, BlockLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
@@ -29,7 +29,7 @@ def rocking(displacement: np.ndarray, width: float = WIDTH, height: float = HEIG
     return across / np.sqrt(0.25 * (width**2 + height**2) - across**2)
 
 
-def pillar(depth: tuple[float, float]) -> tuple[Assembly, Loads]:
+def pillar(depth: tuple[float, float]) -> tuple[Assembly, BlockLoads]:
     """A block on the ground under a push."""
     assembly, _ = joined([ground(2.0), box("a", (0.0, depth[0], 0.0), (WIDTH, depth[1], HEIGHT))], 0.6)
     return assembly, push_loads(assembly)
@@ -91,7 +91,7 @@ def test_a_wall_held_at_its_top_bends_upwards_between_three_hinges(lower, upper)
 def test_a_sliding_block_keeps_its_factor_until_it_tips_over_the_edge():
     plate = box("plate", (-2.0, -0.5, -0.5), (0.6, 0.5, 0.0), fixed=True)
     assembly, joints = joined([plate, box("a", (0.0, -0.5, 0.0), (0.6, 0.5, 0.2))], 0.3)
-    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1), limit=0.1))
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(LimitOptions(starts=1), limit=0.1))
     assert curve.factor == pytest.approx(np.full(len(curve.factor), 0.3), abs=1e-9)
     assert curve.stages[-1].assembly.centre[1, 2] == pytest.approx(0.1, abs=1e-9)  # it slides and does not climb
     assert curve.displacement[-1] >= 0.1
@@ -111,7 +111,7 @@ def slider_and_pebbles(count: int) -> Assembly:
 @pytest.mark.parametrize(("count", "stalls"), [(12, True), (8, False)])
 def test_a_curve_whose_blocks_meet_at_every_step_ends(count, stalls):
     assembly = slider_and_pebbles(count)
-    options = CurveOptions(Options(starts=1), limit=0.15, control=1)
+    options = CurveOptions(LimitOptions(starts=1), limit=0.15, control=1)
     curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), options)
     assert ("blocks meet at every step" in curve.end) is stalls
     last = float(curve.displacement[-1])
@@ -194,7 +194,7 @@ def test_what_has_no_factor_to_follow_is_refused():
 @pytest.mark.parametrize(("wall", "first"), [(1, 0.63898), (4, 0.263736)])  # wall 4 goes on sliding though hinges alone would be an answer
 def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it(wall, first):
     assembly, joints = joined(dry_wall(wall), FRICTION)
-    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1), limit=0.05))
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(LimitOptions(starts=1), limit=0.05))
     assert curve.factor[0] == pytest.approx(first, abs=1e-5)
     assert curve.end == "the control displacement of 50 mm is reached"
     assert curve.displacement[-1] < 0.06
@@ -205,7 +205,7 @@ def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it(
 
 def test_a_dry_wall_is_followed_until_its_factor_vanishes():
     assembly, joints = joined(dry_wall(1), FRICTION)
-    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1)))
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(LimitOptions(starts=1)))
     assert curve.end == "the factor vanishes"
     last = curve.stages[-1]
     ((_, _, state),) = last.at_work()
@@ -217,7 +217,7 @@ def test_a_dry_wall_is_followed_until_its_factor_vanishes():
 
 def test_no_block_slides_back_against_the_push_where_contacts_give_way():
     assembly = Assembly.from_blocks(dry_wall(6), FRICTION)
-    options = CurveOptions(Options(starts=1), limit=1.535e-3)
+    options = CurveOptions(LimitOptions(starts=1), limit=1.535e-3)
     curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), options)
     gone = curve.stages[-1].assembly.centre[:, 0] - assembly.centre[:, 0]
     assert (

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from models import material_of
 
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.capacity import capacity_curve
-from masonry_cd.analysis.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.problem import Bars, BlockLoads
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
@@ -23,7 +23,7 @@ EXACT = 1e-6  # the closed form of a plane is met but for rounding; 1 % is asked
 CONES = 1e-4  # and in space but for the last cuts and the tolerance of cone programmes
 
 
-def pier(law: JointLaw, across: tuple[float, float] = (1.0, 0.0), off: float = 0.0) -> tuple[Assembly, Loads]:
+def pier(law: JointLaw, across: tuple[float, float] = (1.0, 0.0), off: float = 0.0) -> tuple[Assembly, BlockLoads]:
     """A pier under N that is pushed with 1 N at its top; ``off``: the base reaches so much farther to one side, out of the plane."""
     base = Block("base", *box((-B, -B, -0.5), (2.0 * B, B + T + off, 0.0)), 2000.0, "base", fixed=True)
     assembly = Assembly.from_blocks(
@@ -33,12 +33,12 @@ def pier(law: JointLaw, across: tuple[float, float] = (1.0, 0.0), off: float = 0
     dead[1, 2] = -N
     live[1, :2] = across
     live[1, 3:] = np.cross([0.0, 0.0, 0.5 * H], live[1, :3])
-    return assembly, Loads(dead, live, Bars.none())
+    return assembly, BlockLoads(dead, live, Bars.none())
 
 
-def moment(assembly: Assembly, loads: Loads, starts: int = 0) -> tuple[float, float | None]:
+def moment(assembly: Assembly, loads: BlockLoads, starts: int = 0) -> tuple[float, float | None]:
     """At the base under the largest push, and under the least without dilation, None where none is searched for [N m]."""
-    found = analyse(assembly, find_joints(assembly), loads, Options(starts=starts))
+    found = analyse(assembly, find_joints(assembly), loads, LimitOptions(starts=starts))
     return H * found.associated.factor, None if found.least is None else H * found.least.optimum.factor
 
 
@@ -70,7 +70,7 @@ def test_a_bond_adds_its_tension_below_the_stress_block():
     assert moment(*pier(law))[0] == pytest.approx(lifted * B / 2.0 * (1.0 - lifted / most), rel=EXACT)
 
 
-def flat_arch(strength: float) -> tuple[Assembly, Loads]:
+def flat_arch(strength: float) -> tuple[Assembly, BlockLoads]:
     """Two stones of 1 x 0.3 x 0.4 m between abutments, each with 1 N at the crown."""
     law = {"default": JointLaw(compressive_strength=strength)}
     ends = [box((-1.5, 0.0, -0.2), (-1.0, T, 0.6)), box((1.0, 0.0, -0.2), (1.5, T, 0.6))]
@@ -82,14 +82,14 @@ def flat_arch(strength: float) -> tuple[Assembly, Loads]:
     dead[2:, 2] = -9.81 * assembly.mass[2:]
     live[2:, 2] = -1.0
     live[2:, 3:] = np.cross([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]], live[2:, :3])
-    return assembly, Loads(dead, live, Bars.none())
+    return assembly, BlockLoads(dead, live, Bars.none())
 
 
 @pytest.mark.parametrize("strength", [1e6, 4e6])
 def test_a_flat_arch_bears_what_its_thrust_can_at_half_the_depth(strength):
     """V l + W l / 2 = T (d - T / (f t)), which is largest where the stress blocks take half of the depth: f t d^2 / 4."""
     assembly, loads = flat_arch(strength)
-    found = analyse(assembly, find_joints(assembly), loads, Options(starts=1))  # a second lets go of the thrust
+    found = analyse(assembly, find_joints(assembly), loads, LimitOptions(starts=1))  # a second lets go of the thrust
     exact = strength * T * 0.4**2 / 4.0 - 9.81 * float(assembly.mass[2]) / 2.0
     assert found.associated.factor == pytest.approx(exact, rel=EXACT)
     assert found.least is not None and found.least.optimum.factor == pytest.approx(exact, rel=EXACT)
@@ -115,7 +115,9 @@ def test_a_structure_that_falls_anyway_is_no_fault_of_its_strength():
 def test_a_tie_that_a_mechanism_stretches_yields_in_the_search_in_space_too():
     """The forces of a mechanism without dilation are at the strength of the ties that it stretches; a rocking pier has one factor."""
     assembly, loads = pier(JointLaw(), off=0.1)
-    tied = Loads(loads.dead, loads.live, Bars(np.array([[0, 1]]), np.array([[[0.0, T / 2.0, -0.2], [0.0, T / 2.0, H]]]), np.array([1e4])))
+    tied = BlockLoads(
+        loads.dead, loads.live, Bars(np.array([[0, 1]]), np.array([[[0.0, T / 2.0, -0.2], [0.0, T / 2.0, H]]]), np.array([1e4]))
+    )
     found, least = moment(assembly, tied, starts=1)
     assert found == pytest.approx(N * B / 2.0 + 1e4 * B, rel=CONES) and least == pytest.approx(found, rel=10.0 * CONES)
 

@@ -15,7 +15,7 @@ from limit_loads import push_loads
 from models import box, ground
 
 from benchmarks.held_push import hold
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
@@ -34,7 +34,7 @@ def on_ledges(friction_there: float) -> Assembly:
 def test_the_search_finds_the_slab_relieved_of_its_ledges() -> None:
     assembly = on_ledges(0.6)
     joints, loads = find_joints(assembly), push_loads(assembly, INWARDS)
-    found = analyse(assembly, joints, loads, Options(starts=2))
+    found = analyse(assembly, joints, loads, LimitOptions(starts=2))
     assert found.least is not None and found.least.optimum.factor == pytest.approx(ALONE, rel=1e-3)
     assert found.associated.factor > 1.8 * ALONE
 

@@ -9,7 +9,7 @@ from models import box, ground
 from test_macro import EFFORT, element, stack, toothed, whole_of
 
 from masonry_cd.analysis.limit.admitted import admitted
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
 from masonry_cd.analysis.limit.macro import analyse_element
 from masonry_cd.analysis.limit.mechanism import mechanism
@@ -49,7 +49,7 @@ def test_a_known_mechanism_lowers_the_least_factor_found_or_leaves_it() -> None:
     """A slab between cheeks: one start comes to the wedged mechanism; that of the slab alone is less."""
     cheeks = [box("left", (0.0, -1.6, 0.0), (1.0, -1.0, 3.0)), box("right", (0.0, 1.0, 0.0), (1.0, 1.6, 3.0))]
     assembly, joints = joined([ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), *cheeks], 0.6)
-    analysis = analyse(assembly, joints, push_loads(assembly, (-1.0, 0.0, 0.0)), Options(starts=1))
+    analysis = analyse(assembly, joints, push_loads(assembly, (-1.0, 0.0, 0.0)), LimitOptions(starts=1))
     assert analysis.least is not None
     leans = np.zeros((assembly.count, 6))
     leans[1] = [-1.5, 0.0, 0.25, 0.0, -1.0, 0.0]

@@ -11,7 +11,7 @@ import pytest
 from models import GRAVITY, box, ground
 from test_macro import EFFORT, element, stack, toothed, whole_of
 
-from masonry_cd.analysis.limit.found import Found
+from masonry_cd.analysis.limit.found import FoundMechanism
 from masonry_cd.analysis.limit.macro import analyse_element
 from masonry_cd.analysis.limit.part import part_of, resting
 from masonry_cd.analysis.limit.problem import Bars, PointMasses
@@ -22,7 +22,7 @@ FOLLOWED = replace(EFFORT, displacements=True)
 WEIGHT = 2000.0 * GRAVITY  # per volume
 
 
-def least(whole, part) -> Found:
+def least(whole, part) -> FoundMechanism:
     """The mechanism of the least acceleration of a part that is pushed along x."""
     return analyse_element(whole, part, X, FOLLOWED).mechanisms[0]
 

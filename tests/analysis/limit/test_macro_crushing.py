@@ -9,7 +9,7 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box
 
 from masonry_cd.analysis.limit.admitted import admitted
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.candidates import with_mechanisms
 from masonry_cd.analysis.limit.found import FREE
 from masonry_cd.analysis.limit.macro import Effort, ElementAnalysis, analyse_element
@@ -94,7 +94,7 @@ def test_the_search_of_the_whole_begins_at_a_part_that_crushes() -> None:
     whole = whole_of(PRESSURE / share)
     moves = analysed(whole).mechanisms[0].mechanism
     assert moves is not None
-    analysis = analyse(whole.assembly, whole.joints, push_loads(whole.assembly), Options(starts=0))
+    analysis = analyse(whole.assembly, whole.joints, push_loads(whole.assembly), LimitOptions(starts=0))
     problem, velocity = analysis.problem, moves.velocity
     assert admitted(problem, whole.assembly, velocity) is None
     begun = admitted(problem, whole.assembly, velocity, moves.crushing)

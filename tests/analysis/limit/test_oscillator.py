@@ -10,7 +10,7 @@ import pytest
 from limit_loads import everything, joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.limit.candidates import candidates
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.mechanism import STATES
@@ -23,13 +23,13 @@ from structures.geometry.prism import prism_xz
 def of_blocks(blocks, friction=0.65) -> Oscillator:
     """The oscillator of blocks that are pushed along x, with its curve."""
     assembly, joints = joined(blocks, friction)
-    return associated(assembly, joints, capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=0))))
+    return associated(assembly, joints, capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(LimitOptions(starts=0))))
 
 
 def associated(assembly: Assembly, joints: Joints, curve: CapacityCurve | None = None) -> Oscillator:
     """The oscillator of the associated mechanism of a push along x."""
     loads = push_loads(assembly)
-    analysis = analyse(assembly, joints, loads, Options(starts=0))
+    analysis = analyse(assembly, joints, loads, LimitOptions(starts=0))
     part = everything(assembly, joints, analysis, loads)
     one = candidates(analysis, [], part)[0]
     assert one.mechanism is not None
@@ -115,7 +115,7 @@ def test_an_arch_on_piers_is_a_linkage_of_four_hinges():
     """Every value from the linkage turned by finite angles: alpha = d(sum P z) / d(sum P x)."""
     blocks = arch_on_piers()
     assembly, joints = joined(blocks, 5.0)
-    found = analyse(assembly, joints, push_loads(assembly), Options(starts=0))
+    found = analyse(assembly, joints, push_loads(assembly), LimitOptions(starts=0))
     moves = found.associated.mechanism
     hinged = np.flatnonzero(moves.state == STATES.index("hinge"))
     assert len(hinged) == 4 and moves.count("slide") == 0
@@ -142,7 +142,7 @@ def test_an_arch_on_piers_is_a_linkage_of_four_hinges():
     parts = np.split(np.arange(len(mass)), np.cumsum([len(body) for body in bodies])[:-1])  # each bar is one body, at its centre
     weight = GRAVITY * np.array([mass[part].sum() for part in parts])
     move = np.array([mass[part] @ each[part] / mass[part].sum() for part in parts])
-    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=0)))
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(LimitOptions(starts=0)))
     made = associated(assembly, joints, curve)
     assert made.alpha == pytest.approx(alpha(0.0), rel=1e-6)
     assert made.weight == pytest.approx(weight.sum(), rel=1e-9)

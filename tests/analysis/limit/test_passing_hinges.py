@@ -13,7 +13,7 @@ from models import GRAVITY, box
 from released_from_curve import brackets
 
 import structures
-from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.analysis import LimitOptions
 from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.analysis.limit.interfaces import interfaces
 from masonry_cd.analysis.limit.problem import problem_at
@@ -28,7 +28,7 @@ ARCH = {"kind": "arch", "span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs"
 def followed() -> tuple[Assembly, CapacityCurve]:
     """The arch of examples/arch.toml pushed sideways, and its curve."""
     assembly = Assembly.from_blocks(structures.make(ARCH, 2200.0, Path())[0], 0.6)
-    return assembly, capacity_curve(assembly, find_joints(assembly), push_loads(assembly), CurveOptions(Options(starts=1)))
+    return assembly, capacity_curve(assembly, find_joints(assembly), push_loads(assembly), CurveOptions(LimitOptions(starts=1)))
 
 
 def linkage(assembly: Assembly, hinges: np.ndarray, split: np.ndarray, turn: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from scipy.linalg import null_space
 from scipy.optimize import brentq
 
 from benchmarks.dry_walls import ASSOCIATED, FRICTION, LEAST, dry_wall
-from masonry_cd.analysis.limit.analysis import STANDS, Analysis, Options, at_rest
+from masonry_cd.analysis.limit.analysis import STANDS, Analysis, LimitOptions, at_rest
 from masonry_cd.analysis.limit.problem import LimitProblem, limit_problem
 from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import prism_xz
@@ -47,21 +47,21 @@ def test_associated_factor_of_the_dry_walls(wall):
 @pytest.mark.parametrize("wall", [2, 3, 4, 5])
 def test_least_factor_without_dilation_of_the_dry_walls(wall):
     """A pair whose gap is nothing proves that its factor is one of Coulomb's law; of walls 2, 5 and 6 it is less than the published one."""
-    analysis = pushed(dry_wall(wall), FRICTION, options=Options(starts=2))
+    analysis = pushed(dry_wall(wall), FRICTION, options=LimitOptions(starts=2))
     assert analysis.least is not None and analysis.least.gap < 1e-12
     assert 0.97 * LEAST[wall] < analysis.least.optimum.factor < (1.0 + 1e-2) * LEAST[wall]
     assert analysis.least.optimum.factor < analysis.associated.factor
 
 
 def test_least_factor_without_dilation_of_the_largest_wall():
-    analysis = pushed(dry_wall(6), FRICTION, options=Options(starts=1))
+    analysis = pushed(dry_wall(6), FRICTION, options=LimitOptions(starts=1))
     assert analysis.least is not None and analysis.least.gap < 1e-12
     assert 0.97 * LEAST[6] < analysis.least.optimum.factor < LEAST[6]
 
 
 def test_least_factor_in_space_of_a_wall_beside_a_lone_block_out_of_its_plane():
     apart = box("apart", (0.0, 2.0, 0.0), (1.0, 3.0, 0.5))
-    in_space = pushed([*dry_wall(3), apart], FRICTION, options=Options(starts=1))
+    in_space = pushed([*dry_wall(3), apart], FRICTION, options=LimitOptions(starts=1))
     assert in_space.problem.axis is None and in_space.least is not None
     assert in_space.least.optimum.factor == pytest.approx(LEAST[3], rel=0.02)
     assert in_space.least.gap < 1e-4

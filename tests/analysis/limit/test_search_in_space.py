@@ -13,7 +13,7 @@ from limit_loads import joined, push_loads
 from models import box, ground
 
 from masonry_cd.analysis.limit import descent
-from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse, with_more_starts
+from masonry_cd.analysis.limit.analysis import Analysis, LimitOptions, analyse, with_more_starts
 from masonry_cd.analysis.limit.descent import Search
 from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.analysis.limit.programme import Programme, largest
@@ -31,7 +31,7 @@ def wedged(starts: int) -> tuple[Assembly, Joints, Analysis]:
     """A slab between two cheeks that it need not press; pushed out, it falls with them at 0.258 or alone at 1/6."""
     cheeks = [box("left", (0.0, -1.6, 0.0), (1.0, -1.0, 3.0)), box("right", (0.0, 1.0, 0.0), (1.0, 1.6, 3.0))]
     assembly, joints = joined([ground(8.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), *cheeks], 0.6)
-    return assembly, joints, analyse(assembly, joints, push_loads(assembly, (-1.0, 0.0, 0.0)), Options(starts=starts))
+    return assembly, joints, analyse(assembly, joints, push_loads(assembly, (-1.0, 0.0, 0.0)), LimitOptions(starts=starts))
 
 
 def test_starts_that_are_left_out_leave_the_others_as_they_are() -> None:
@@ -77,7 +77,7 @@ def towers(*halves: float) -> LimitProblem:
     for k, half in enumerate(halves):
         blocks += [box(f"{k}.{i}", (-half, 3.0 * k, float(i)), (half, 3.0 * k + 1.0, i + 1.0)) for i in range(3)]
     assembly, joints = joined(blocks, 0.8)
-    return analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), Options(starts=0)).problem
+    return analyse(assembly, joints, push_loads(assembly, (1.0, 0.0, 0.0)), LimitOptions(starts=0)).problem
 
 
 def test_rounds_among_the_blocks_that_move_lead_to_the_pair_of_all(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from masonry_cd.mechanics.contact.faults import TooManyPoints
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.contact.round_contact import round_depths
 from masonry_cd.mechanics.dynamics.warps import Warps
-from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
+from masonry_cd.mechanics.model.blocks import Assembly, Block, ConvexShapes
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
 from masonry_cd.mechanics.model.state import State, rotation_matrices
@@ -188,7 +188,7 @@ def test_the_distance_from_a_polyhedron_is_that_from_its_convex_hull():
     )
     places = random.uniform(-1.0, 2.0, (300, 3))
     blocks = [wedge, *(ball(tuple(place), f"b{k}", 0.01) for k, place in enumerate(places))]
-    shapes = Shapes.of(blocks, np.zeros((len(blocks), 3)))
+    shapes = ConvexShapes.of(blocks, np.zeros((len(blocks), 3)))
     pairs = np.array([[0, k] for k in range(1, len(blocks))])
     depth = round_depths(shapes.solids, shapes.rounding, pairs)
     system = np.vstack([wedge.vertices.T, np.full(4, 1e3)])

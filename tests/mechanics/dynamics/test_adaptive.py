@@ -8,7 +8,7 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned,
 from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.mechanics.dynamics.local_error import base_drift
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.dynamics.system import Loads
+from masonry_cd.mechanics.dynamics.system import RunLoads
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joint_laws import JointLaw
 from masonry_cd.mechanics.model.state import State
@@ -98,7 +98,7 @@ def test_at_rest_steps_grow_to_the_longest_and_stay():
 def test_a_step_gets_the_whole_impulse_of_body_forces_and_the_velocity_of_the_base():
     rng = np.random.default_rng(2)
     pull, velocity = rng.normal(size=(65, 3)), rng.normal(size=(65, 1, 3))
-    loads = Loads(velocity, pull, None)
+    loads = RunLoads(velocity, pull, None)
     long = loads.of_step(16, 32)
     assert np.allclose(long.acceleration, np.mean([loads.of_step(k).acceleration for k in range(16, 48)], axis=0), rtol=1e-13)
     assert np.array_equal(long.support_before, velocity[16]) and np.array_equal(long.support_after, velocity[48])
@@ -112,8 +112,8 @@ def test_the_drift_of_the_base_is_what_one_trapezium_differs_from_many_by():
     velocity[:, 0, 0] = t**2
     exact = t[48] ** 3 / 3 - t[16] ** 3 / 3
     one = 0.5 * (t[48] - t[16]) * (t[48] ** 2 + t[16] ** 2)
-    assert base_drift(Loads(velocity, gravity(64), None), TICK, 16, 32)[0, 0] == pytest.approx(exact - one, rel=2e-3)
-    assert not base_drift(Loads(velocity, gravity(64), None), TICK, 16, 1).any()
+    assert base_drift(RunLoads(velocity, gravity(64), None), TICK, 16, 32)[0, 0] == pytest.approx(exact - one, rel=2e-3)
+    assert not base_drift(RunLoads(velocity, gravity(64), None), TICK, 16, 1).any()
 
 
 def test_a_jump_of_a_body_force_between_long_steps_puts_in_its_momentum():

@@ -12,7 +12,7 @@ from models import GRAVITY, box, gravity, ground, still
 
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import joint_damage, shock_rows
-from masonry_cd.analysis.damage.part_damage import Settings, part_damage
+from masonry_cd.analysis.damage.part_damage import DamageSettings, part_damage
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_checks import restless
@@ -85,7 +85,7 @@ def test_each_shock_adds_to_the_damage(tmp_path: Path) -> None:
     with Results.open(tmp_path / "run.h5") as results:
         rows = shock_rows(results, Thresholds(slid=2e-3))
         tables = [joint_damage(results, Thresholds(), i) for i in range(2)]
-        total, parts = joint_damage(results), part_damage(results, Settings())
+        total, parts = joint_damage(results), part_damage(results, DamageSettings())
         after, end = [results.step_peaks_after(i) for i in range(2)], results.step_peaks
     assert parts.of_steps
     for name in ("drift", "hinge_opening"):

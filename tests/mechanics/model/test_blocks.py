@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components as by_scipy
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.model.blocks import Assembly, Carried
+from masonry_cd.mechanics.model.blocks import Assembly, CarriedLoad
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.polygon import clip, clip_loops, polygon_centroid
@@ -111,7 +111,7 @@ def test_a_block_that_carries_another_one_has_mass_centre_and_inertia_of_both() 
     """Halves of a box, of which one rides on the other: the box by its closed form."""
     lower, upper, both = (box(name, (0.0, 0.0, low), (1.0, 2.0, high)) for name, low, high in (("a", 0, 1), ("b", 1, 3), ("c", 0, 3)))
     of_upper, whole = upper.mass_properties, both.mass_properties
-    load = Carried(2000.0 * of_upper.volume, of_upper.centre, 2000.0 * of_upper.unit_inertia)
+    load = CarriedLoad(2000.0 * of_upper.volume, of_upper.centre, 2000.0 * of_upper.unit_inertia)
     found = replace(lower, carried=load).mass_properties
     assert found.volume == pytest.approx(whole.volume)
     assert found.centre == pytest.approx(whole.centre)

@@ -14,7 +14,7 @@ from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_e
 from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg import ordering
 from masonry_cd.mechanics.solvers import SOLVERS, Options
-from masonry_cd.mechanics.solvers.linearised import Settings
+from masonry_cd.mechanics.solvers.linearised import MethodSettings
 from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
 from masonry_cd.mechanics.solvers.recall import recall
 from masonry_cd.mechanics.solvers.shares import CHUNK
@@ -34,7 +34,7 @@ def sliding_wall(elastic: bool = False) -> FrictionProblem:
 def answer(problem: FrictionProblem, method: str, limit: int, threads: int) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
     """Impulses (C, 3) and velocities (B, 6) after a number of iterations from nothing, and what the method returns."""
     impulse, velocity = np.zeros((problem.contacts, 3)), np.empty(problem.v_free.shape)
-    settings = Settings(1.0, 1e-12, limit)
+    settings = MethodSettings(1.0, 1e-12, limit)
     return impulse, velocity, over_bodies(METHODS[method], problem.arrays(), recall(problem, None), settings, impulse, velocity, threads)
 
 

@@ -26,9 +26,9 @@ from masonry_cd.mechanics.model.fill import CoveredFaces
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.state import State
 from reports.drawing.solids import fill_layer, structure_scene, tops_of
-from reports.maps.crack_map import Subject, crack_scene
+from reports.maps.crack_map import MapSubject, crack_scene
 from reports.maps.framing import MapStyle, framing
-from structures import Made
+from structures import MadeStructure
 from structures.geometry.checks import check
 
 SPAN = {"span": 6.0, "rise": 1.5, "thickness": 0.5, "voussoirs": 12}
@@ -41,7 +41,7 @@ SHAPES = (
 WALLS = {"course_height": 0.5, "unit_length": 1.0}
 
 
-def made(*spans: dict, **keys: object) -> Made:
+def made(*spans: dict, **keys: object) -> MadeStructure:
     return structures.make({"kind": "bridge", "spans": list(spans or (SPAN,)), **keys}, 2000.0, Path())
 
 
@@ -49,7 +49,7 @@ def volume(blocks: list[Block]) -> float:
     return sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
 
 
-def of(bridge: Made, group: str) -> list[Block]:
+def of(bridge: MadeStructure, group: str) -> list[Block]:
     return [block for block in bridge.blocks if block.group.startswith(group)]
 
 
@@ -201,7 +201,7 @@ def test_maps_of_a_run_show_the_fill_where_the_blocks_below_it_are(tmp_path: Pat
         fill, wanted = results.fill, CoveredFaces.of(bridge.fills, assembly.names)
         assert fill is not None and all(np.array_equal(got, own) for got, own in zip(fill, wanted, strict=True))
         framed = framing(results, [0, 1], MapStyle(scale=1.0))
-        first, last = (Subject.of(results, k, framed).fill for k in (0, 1))
+        first, last = (MapSubject.of(results, k, framed).fill for k in (0, 1))
         assert any(layer.inside is not None and layer.owner is not None for layer in crack_scene(results, 1, framed).layers[3:])
     moved = last.points - first.points
     on_crown = np.tile(np.repeat(fill.block, np.diff(fill.start)) == crown, 2)
@@ -214,7 +214,7 @@ def test_fill_that_lies_on_no_block_is_not_drawn(tmp_path: Path) -> None:
     bridge = made(SPAN, width=2.0, cover=0.3)
     bare, rest = [replace(fill, faces=()) for fill in bridge.fills], State.at_rest(Assembly.from_blocks(bridge.blocks, 0.6))
     with Results.open(write_run(tmp_path / "result.h5", bridge.blocks, [rest], fills=bare)) as results:
-        assert results.fill is None and Subject.of(results, 0, framing(results, [0], MapStyle(scale=1.0))).fill is None
+        assert results.fill is None and MapSubject.of(results, 0, framing(results, [0], MapStyle(scale=1.0))).fill is None
     assert len(structure_scene(bridge.blocks, "", fills=bare).layers) == len(structure_scene(bridge.blocks, "").layers)
 
 

@@ -16,8 +16,8 @@ THICK, UNIT, COURSE = 0.5, 0.8, 0.25
 
 def corner(leaves: int = 1, bonded: bool = True) -> list[Block]:
     """Two walls of 2 m height that meet at the origin."""
-    along = wall_plan.Wall("along", "along", 0, 0.0, 4.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
-    across = wall_plan.Wall("across", "across", 1, 0.0, 3.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
+    along = wall_plan.PlanWall("along", "along", 0, 0.0, 4.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
+    across = wall_plan.PlanWall("across", "across", 1, 0.0, 3.0, 0.0, THICK, 0.0, 2.0, leaves=leaves)
     walls = [along, across]
     sizes = wall_plan.Sizes(COURSE, UNIT)
     return square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, 2000.0, bonded)

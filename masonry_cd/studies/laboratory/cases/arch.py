@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.gauge_histories import point_histories
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, run_in
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, run_in
 from structures.kinds.arch import build
 
 TIMES = (0.54, 1.22)  # at which one of them has these [s]
@@ -28,9 +28,9 @@ def arch() -> list[Block]:
     return build({"radius": 4.0, "thickness": 0.5, "width": 1.0, "voussoirs": 17}, 2700.0, Path())
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Both pairs of stiffness."""
-    found = Found(axes=("time [s]", "displacement of the crown's top [mm]"))
+    found = CaseResults(axes=("time [s]", "displacement of the crown's top [mm]"))
     found.points = [("3DEC, three kinds of damping", np.tile(TIMES, len(OTHERS)), np.ravel(OTHERS))]
     ends = []
     for k, (label, law) in enumerate(LAWS.items()):
@@ -49,12 +49,12 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         found.computed.append((label, crown["time"], u))
     most, least = np.mean(OTHERS, axis=0)
     for k, label in enumerate(LAWS):
-        found.rows.append(Row(f"largest, {label}", "mm", float(most), None, ends[k][0]))
-        found.rows.append(Row(f"smallest, {label}", "mm", float(least), None, ends[k][1]))
+        found.rows.append(CaseRow(f"largest, {label}", "mm", float(most), None, ends[k][0]))
+        found.rows.append(CaseRow(f"smallest, {label}", "mm", float(least), None, ends[k][1]))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "arch",
     "An arch of 17 voussoirs under a pulse",
     "3DEC's own outputs as in HybriDFEM 3.1, mean of three kinds of 5 % damping: 16.1 / -5.6, 15.7 / -7.2, 16.9 / -7.6 mm",

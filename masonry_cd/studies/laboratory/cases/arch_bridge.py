@@ -12,28 +12,28 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.studies.laboratory.case import Case, Found, Row
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase
 from masonry_cd.studies.laboratory.field_tests import FRICTION, LINE, PRESTWOOD, collapse
 
 SHARES = (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0)  # of K_p that the fill resists with at most
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """The collapse load by limit analysis."""
-    found = Found(axes=("share of the passive earth pressure", "collapse load [kN]"))
+    found = CaseResults(axes=("share of the passive earth pressure", "collapse load [kN]"))
     loads = []
     for share in SHARES:
         load, hinges = collapse(PRESTWOOD, f"structure.fill.passive={share}", folder=folder / f"passive_{share:.3g}")
         loads.append(load)
         say(f"{share:.3g} of K_p: {load:.1f} kN, {hinges} hinges")
         words = "fill without resistance" if share == 0.0 else f"fill that resists with {share:.3g} of K_p"
-        found.rows.append(Row(f"collapse load, {words}", "kN", PRESTWOOD.measured, load, None))
+        found.rows.append(CaseRow(f"collapse load, {words}", "kN", PRESTWOOD.measured, load, None))
     found.computed.append(("limit analysis", np.array(SHARES), np.array(loads)))
     found.measured.append(("measured", np.array([SHARES[0], SHARES[-1]]), np.full(2, PRESTWOOD.measured)))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "arch_bridge",
     "A brick arch bridge loaded to collapse",
     f"{'; '.join(PRESTWOOD.sources)}: Prestwood bridge, {PRESTWOOD.measured:g} kN on a line across the quarter point, four hinges",

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, elastic, pushed
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, at, elastic, pushed
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, PUSHED, WEIGHT, STIFFNESS = 0.5, 2.0, 1.998, 60e3, 2e10  # [m], [N], [N/m3]
@@ -34,7 +34,7 @@ def exact(way: float) -> float:
     return force(float(brentq(lambda theta: PUSHED * theta - way, 1e-9, 1.0)))
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Push it by 10 mm."""
     blocks = [
         Block("ground", *box((-0.5, -0.5, -0.5), (1.0, 1.5, 0.0)), 2000.0, "base", fixed=True),
@@ -45,7 +45,7 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         "speed": 0.005,
     }  # fmt: skip
     law = {"normal_stiffness": STIFFNESS, "tangential_stiffness": 100.0 * STIFFNESS, "damping": 0.2}
-    found = Found()
+    found = CaseResults()
     few = law | {"joint_points": FEW}
     for label, joint, points in (("elastic", law, ""), (f"elastic_{FEW}", few, f", {FEW} points"), ("rigid", {}, "")):
         material = {"density": 2000.0, "friction": 5.0, **elastic(joint)}
@@ -55,13 +55,13 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         u, f = curve.envelope()
         found.computed.append((f"{label.partition('_')[0]} joint{points}", 1e3 * u, 1e-3 * f))
         if joint:
-            found.rows += [Row(f"force at {1e3 * way:g} mm{points}", "N", exact(way), None, at(curve, way)) for way in WAYS]
+            found.rows += [CaseRow(f"force at {1e3 * way:g} mm{points}", "N", exact(way), None, at(curve, way)) for way in WAYS]
     ways = np.geomspace(2e-5, 1.02e-2, 200)
     found.measured.append(("closed form", 1e3 * ways, np.array([1e-3 * exact(way) for way in ways])))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "bed",
     "A joint's bed in closed form",
     "exact: W (B/2 - c/3) - W (H/2) theta = F h, with c = sqrt(2 W / (k_n theta)) once the bed opens",

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, at, elastic, pushed
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, at, elastic, pushed
 from structures.geometry.prism import box
 
 HEIGHT, LENGTH, THICK, DENSITY = 1.5, 0.95, 0.11, 1800.0  # [m], [kg/m3]
@@ -34,9 +34,9 @@ def wall() -> list[Block]:
     ]
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Push it at mid-height."""
-    found = Found(axes=("displacement over thickness", "force over weight"))
+    found = CaseResults(axes=("displacement over thickness", "force over weight"))
     found.measured.append(("measured", *MEASURED.T))
     for label in ("rigid", "elastic"):
         law = {"normal_stiffness": STIFFNESS, "tangential_stiffness": STIFFNESS, "damping": 0.05}
@@ -60,13 +60,13 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
         names = ["peak", *(f"at {x:g} of the thickness" for x in MEASURED[[5, 8, 10], 0])]
         there = [float(MEASURED[:, 1].max()), *MEASURED[[5, 8, 10], 1].tolist()]
         if label == "rigid":
-            found.rows = [Row(name, "of W", y, value, None) for name, y, value in zip(names, there, values, strict=True)]
+            found.rows = [CaseRow(name, "of W", y, value, None) for name, y, value in zip(names, there, values, strict=True)]
         else:
             found.rows = [row._replace(elastic=value) for row, value in zip(found.rows, values, strict=True)]
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "bending",
     "A brick wall bent out of its plane",
     "Griffith, Lam, Wilson & Doherty, J. Struct. Eng. 130(3), 2004, wall 12, as in HybriDFEM 3.1",

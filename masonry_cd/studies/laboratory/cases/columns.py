@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, run_in, threshold
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, run_in, threshold
 from structures.geometry.prism import box, prism_xz
 
 DURATIONS = (0.15, 0.2, 0.3, 0.34, 0.4, 0.5, 0.8)  # t_p [s]
@@ -50,21 +50,21 @@ def falls(folder: Path, length: float, size: float) -> bool:
     return bool(np.linalg.norm(place - place[0], axis=1).max() > FAR)
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Halve the range until the threshold is known to half a hundredth of it."""
-    found = Found(axes=("duration of the pulse [s]", "smallest acceleration that overturns it [g]"))
+    found = CaseResults(axes=("duration of the pulse [s]", "smallest acceleration that overturns it [g]"))
     limits = []
     for length, other in zip(DURATIONS, LMGC90, strict=True):
         low, high = (share * other for share in RANGE)
         limits.append(threshold(partial(falls, folder / f"pulse_{length:g}", length), low, high, HALVINGS))
         say(f"t_p {length:g} s: {limits[-1]:.4f} g, LMGC90 {other:g}")
-        found.rows.append(Row(f"a at t_p = {length:g} s (UDEC {UDEC[len(limits) - 1]:g})", "g", other, limits[-1], None))
+        found.rows.append(CaseRow(f"a at t_p = {length:g} s (UDEC {UDEC[len(limits) - 1]:g})", "g", other, limits[-1], None))
     found.measured += [(name, np.array(DURATIONS), np.array(values)) for name, values in (("LMGC90", LMGC90), ("UDEC", UDEC))]
     found.computed.append(("masonry_cd, rigid", np.array(DURATIONS), np.array(limits)))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "columns",
     "A column of drums under a pulse",
     "Dimitri, De Lorenzis & Zavarise, Eng. Struct. 33, 2011, as in HybriDFEM 3.1: LMGC90 and UDEC",

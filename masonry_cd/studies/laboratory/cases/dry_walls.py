@@ -11,7 +11,7 @@ import numpy as np
 from masonry_cd.analysis.damage.crack_pattern import agreement, cracked, joint_lines
 from masonry_cd.app.run_case import RESULTS
 from masonry_cd.io.results import Results
-from masonry_cd.studies.laboratory.case import Case, Curve, Found, Row, at
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, Curve, LaboratoryCase, at
 from masonry_cd.studies.laboratory.shear_walls import ShearWall
 
 WALL = ShearWall(courses=10, course=0.1, unit=0.2, depth=0.2, friction=0.62)  # friction of sawn granite, not stated with the tests
@@ -79,37 +79,39 @@ def envelopes() -> list[Curve]:
     ]
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """All four stresses: the limit load, and the push on elastic joints."""
-    found = Found()
+    found = CaseResults()
     for stress, (young, peaks, places) in STRESSES.items():
         name = f"{stress:g} MPa"
         rigid, curve = WALL.tested(folder, f"*_{stress:g}", f"Dry wall at {name}", (stress, young, REACH), say)
         u, f = curve.envelope()
         mean, place = float(np.mean(peaks)), float(np.mean(places))
         most = 1e-3 * float(f.max())
-        found.rows.append(Row(f"{name}: peak, mean of {len(peaks)}", "kN", mean, 1e-3 * rigid, most))
+        found.rows.append(CaseRow(f"{name}: peak, mean of {len(peaks)}", "kN", mean, 1e-3 * rigid, most))
         if place < 1e3 * REACH:
-            found.rows.append(Row(f"{name}: at {place:.3g} mm, where it was measured", "kN", mean, None, 1e-3 * at(curve, 1e-3 * place)))
+            found.rows.append(
+                CaseRow(f"{name}: at {place:.3g} mm, where it was measured", "kN", mean, None, 1e-3 * at(curve, 1e-3 * place))
+            )
         found.computed.append((f"{name}, elastic joints", 1e3 * u, 1e-3 * f))
         found.rows += crack_rows(folder / f"push_{stress:g}", stress)
     found.measured = envelopes()
     return found
 
 
-def crack_rows(folder: Path, stress: float) -> list[Row]:
+def crack_rows(folder: Path, stress: float) -> list[CaseRow]:
     """Agreement of the cracks at the end of a push with the maps of its stress [MPa]: means over the maps, each of 1 at best."""
     with Results.open(folder / RESULTS) as results:
         computed = joint_lines(results, (1.0, 0.0, 0.0))[cracked(results)]
     each = [agreement(computed, drawn, WALL.course) for own, drawn in crack_maps() if own == stress]
     words = f"{stress:g} MPa: {{}} within a course, {len(each)} map{'s' if len(each) > 1 else ''}"
     return [
-        Row(words.format("crack length found"), "of 1", 1.0, None, float(np.mean([one.found for one in each]))),
-        Row(words.format("computed crack length that is drawn"), "of 1", 1.0, None, float(np.mean([1.0 - one.false for one in each]))),
+        CaseRow(words.format("crack length found"), "of 1", 1.0, None, float(np.mean([one.found for one in each]))),
+        CaseRow(words.format("computed crack length that is drawn"), "of 1", 1.0, None, float(np.mean([1.0 - one.false for one in each]))),
     ]
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "dry_walls",
     "Dry walls of sawn granite under shear",
     "Lourenço, Oliveira, Roca & Orduña, J. Struct. Eng. 131(11), 2005; peaks as in the Stone Masonry Database of the EESD laboratory of "

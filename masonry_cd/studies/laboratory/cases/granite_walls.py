@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.studies.laboratory.case import Case, Found, Row, pushed
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, pushed
 from masonry_cd.studies.laboratory.shear_walls import ShearWall
 
 HEIGHT, LEVER = 1.2, 1.325  # [m]
@@ -44,7 +44,7 @@ class Tested:
 
 
 @dataclass(frozen=True)
-class Kind:
+class GraniteKind:
     """A kind of masonry, by the mean height of its courses and length of its units."""
 
     name: str
@@ -70,19 +70,19 @@ rubble | 1.25 2496 | 59.9 67.4 69.8 80.4 63.9 73.8 | 0.47 0.49 0.4 0.84 0.69 0.6
 """  # kind, stress [MPa] and E [MPa], peaks [kN], drifts at these [%], stiffness of the bilinear curves [kN/mm]
 
 
-def _kind(name: str, courses: int, unit: float) -> Kind:
+def _kind(name: str, courses: int, unit: float) -> GraniteKind:
     """A kind with its lines of the table."""
     rows = [line.split(" | ")[1:] for line in TESTS.splitlines() if line.startswith(f"{name} ")]
     numbers = ([tuple(map(float, cells.split())) for cells in row] for row in rows)
-    return Kind(name, courses, unit, tuple(Tested(stress, young, *rest) for (stress, young), *rest in numbers))
+    return GraniteKind(name, courses, unit, tuple(Tested(stress, young, *rest) for (stress, young), *rest in numbers))
 
 
 SAWN, IRREGULAR, RUBBLE = _kind("dry", 8, 0.2), _kind("irregular", 6, 0.2), _kind("rubble", 9, 1.0 / 6.0)
 
 
-def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -> Found:
+def compare(kinds: Sequence[GraniteKind], folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Limit load and push on elastic joints at each stress."""
-    found = Found()
+    found = CaseResults()
     for kind in kinds:
         wall = kind.wall()
         for test in kind.tests:
@@ -92,15 +92,15 @@ def compare(kinds: Sequence[Kind], folder: Path, say: Callable[[str], object]) -
             u, f = curve.envelope()
             walls, bilinear = len(test.peaks) // 2, curve.numbers().bilinear
             peak, stiffness = float(np.mean(test.peaks)), float(np.mean(test.stiffness))
-            found.rows.append(Row(f"{name}: peak, mean of {walls} walls both ways", "kN", peak, 1e-3 * rigid, 1e-3 * float(f.max())))
+            found.rows.append(CaseRow(f"{name}: peak, mean of {walls} walls both ways", "kN", peak, 1e-3 * rigid, 1e-3 * float(f.max())))
             if bilinear is not None:
-                found.rows.append(Row(f"{name}: stiffness of the bilinear curve", "kN/mm", stiffness, None, 1e-6 * bilinear.stiffness))
+                found.rows.append(CaseRow(f"{name}: stiffness of the bilinear curve", "kN/mm", stiffness, None, 1e-6 * bilinear.stiffness))
             found.computed.append((f"{name}, elastic joints", 1e3 * u, 1e-3 * f))
             found.points.append((f"{name}, peaks", 10.0 * HEIGHT * np.array(test.drifts), np.array(test.peaks)))
     return found
 
 
-CYCLIC = Case(
+CYCLIC = LaboratoryCase(
     "cyclic_walls",
     "Ten dry walls pushed to and fro",
     SOURCE,
@@ -115,7 +115,7 @@ CYCLIC = Case(
     partial(compare, [SAWN]),
 )
 
-MORTAR = Case(
+MORTAR = LaboratoryCase(
     "mortar_walls",
     "Granite walls in lime mortar pushed to and fro",
     SOURCE,
@@ -138,9 +138,9 @@ STONES: dict[str, dict[str, Any]] = {
 YOUNG, FAR = 20e9, 0.012  # of granite [Pa]; pushed so far: a drift of 1 % [m]
 
 
-def crack(folder: Path, say: Callable[[str], object]) -> Found:
+def crack(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """The push on elastic joints with whole stones, and with stones that crack at several strengths."""
-    found, wall = Found(), RUBBLE.wall()
+    found, wall = CaseResults(), RUBBLE.wall()
     test = next(one for one in RUBBLE.tests if one.stress == OF_RUBBLE)
     for k, (name, stones) in enumerate(STONES.items()):
         tables = wall.scene(f"Rubble, {name}", OF_RUBBLE, 1e6 * test.young, [FAR])
@@ -148,13 +148,15 @@ def crack(folder: Path, say: Callable[[str], object]) -> Found:
             tables["material"]["stones"] = {"wall": {**stones, "young": YOUNG, "across": ["x", "z"]}}
         u, f = pushed(folder / f"stones_{k}", wall.blocks(), tables).envelope()
         say(f"{name}: {1e-3 * f.max():.1f} kN at {1e3 * u[f.argmax()]:.1f} mm, {1e-3 * f[-1]:.1f} kN at {1e3 * u[-1]:.1f} mm")
-        found.rows.append(Row(f"rubble, {OF_RUBBLE:g} MPa, {name}: peak", "kN", float(np.mean(test.peaks)), None, 1e-3 * float(f.max())))
+        found.rows.append(
+            CaseRow(f"rubble, {OF_RUBBLE:g} MPa, {name}: peak", "kN", float(np.mean(test.peaks)), None, 1e-3 * float(f.max()))
+        )
         found.computed.append((name, 1e3 * u, 1e-3 * f))
     found.points.append(("peaks of the walls", 10.0 * HEIGHT * np.array(test.drifts), np.array(test.peaks)))
     return found
 
 
-CRACKED = Case(
+CRACKED = LaboratoryCase(
     "cracked_walls",
     "Rubble walls whose stones crack",
     SOURCE,

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Row, elastic, run_in, threshold
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, LaboratoryCase, elastic, run_in, threshold
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, DENSITY = 0.4, 4.0, 2000.0  # [m], [kg/m3]
@@ -53,9 +53,9 @@ def falls(folder: Path, duration: float, law: dict[str, float] | None, accelerat
     return bool(height[-1] < 0.25 * HEIGHT)
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """Thresholds at four durations, on a rigid and on an elastic joint."""
-    found = Found(axes=("duration [s]", "acceleration that overturns it [g]"))
+    found = CaseResults(axes=("duration [s]", "acceleration that overturns it [g]"))
     there: dict[str, list[float]] = {"rigid": [], "elastic": []}
     for label, law in (("rigid", None), ("elastic", LAW)):
         for duration in DURATIONS:
@@ -68,11 +68,11 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     found.measured.append(("closed form", times, np.array([exact(t) / 9.81 for t in times])))
     for k, duration in enumerate(DURATIONS):
         name, right = f"a that overturns it in {duration:g} s", exact(duration) / 9.81
-        found.rows.append(Row(name, "g", right, there["rigid"][k], there["elastic"][k]))
+        found.rows.append(CaseRow(name, "g", right, there["rigid"][k], there["elastic"][k]))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "overturning",
     "A slender block overturned by a pulse",
     "closed form for small angles, in the manner of Housner, Bull. Seism. Soc. Am. 53(2), 1963: "

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Curve, Found, Row, elastic, run_in
+from masonry_cd.studies.laboratory.case import CaseResults, CaseRow, Curve, LaboratoryCase, elastic, run_in
 from structures.geometry.prism import box
 
 MEASURED = ((3.0, "concrete", 0.97), (5.0, "concrete", 0.95), (5.0, "rubber", 0.67))  # height over width, base, share of Housner's r
@@ -77,9 +77,9 @@ def measured(base: str) -> Curve:
     return f"measured on {base}", across, up
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """r over slenderness on rigid and on elastic joints, with Housner's curve and the points that were measured."""
-    found = Found(axes=("height / width", "r of the first impact"))
+    found = CaseResults(axes=("height / width", "r of the first impact"))
     values: dict[tuple[float, str], float] = {}
     for label, law in (("rigid", None), ("elastic", LAW)):
         for slenderness in SHAPES:
@@ -92,11 +92,11 @@ def compute(folder: Path, say: Callable[[str], object]) -> Found:
     found.points.append(measured("concrete"))
     for slenderness, base, share in MEASURED:
         row = (values[slenderness, "rigid"], values[slenderness, "elastic"])
-        found.rows.append(Row(f"r, height / width {slenderness:g}, on {base}", "of 1", share * housner(slenderness), *row))
+        found.rows.append(CaseRow(f"r, height / width {slenderness:g}, on {base}", "of 1", share * housner(slenderness), *row))
     return found
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "restitution",
     "Blocks that rock freely",
     "ElGawady, Ma, Butterworth & Ingham, Effects of interface material on the dynamic behaviour of rigid blocks: measured 0.97 and 0.95 of "

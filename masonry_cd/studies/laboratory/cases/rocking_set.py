@@ -20,7 +20,7 @@ import numpy as np
 
 import loads
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.studies.laboratory.case import Case, Found, Sample, run_in
+from masonry_cd.studies.laboratory.case import CaseResults, LaboratoryCase, Sample, run_in
 from structures.geometry.prism import box
 
 WIDTH, HEIGHT, DENSITY, GRAVITY = 0.4, 1.6, 2400.0, 9.81  # [m], [kg/m3], [m/s2]
@@ -97,9 +97,9 @@ def rocked(folder: Path, seed: int, dt: float) -> float:
     return float(fallen(np.abs(2.0 * np.arctan2(turned[:, 2], turned[:, 0])).max() / ALPHA))
 
 
-def compute(folder: Path, say: Callable[[str], object]) -> Found:
+def compute(folder: Path, say: Callable[[str], object]) -> CaseResults:
     """The largest tilts under all motions, with each step."""
-    found = Found(axes=("largest tilt over slenderness", "share of the motions"))
+    found = CaseResults(axes=("largest tilt over slenderness", "share of the motions"))
     exact = housner(accelerations(folder))
     share = (np.arange(MOTIONS) + 1.0) / MOTIONS
     found.measured.append(("Housner", *_standing(exact, share)))
@@ -118,7 +118,7 @@ def _standing(values: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.nda
     return stands, share[: len(stands)]
 
 
-CASE = Case(
+CASE = LaboratoryCase(
     "rocking_set",
     "A free-standing block under many motions",
     "Housner, Bull. Seism. Soc. Am. 53(2), 1963: his equation of motion and impact, integrated under the same motions; distributions as "
