@@ -22,26 +22,26 @@ import numpy as np
 
 from loads.signal.spectra.shape import damping_factor
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import Quantity, Working
+from masonry_cd.analysis.code_check.steps import CodeQuantity, Working
 from masonry_cd.analysis.code_check.table import CheckTable
 
 RISE, FALL = 0.8, 1.1  # a and b: over T1, where the largest amplification begins and ends
 BEFORE, AFTER = 1.6, 1.2  # powers of its flanks
 AMPLIFIED = "[C7.2.6], [C7.2.9]"
 ROWS = {
-    "H": Quantity("m", "C7.2.3", "height of the building"),
-    "z": Quantity("m", "C7.2.3", "height at which the mechanism is held, above the foundation"),
-    "T1": Quantity("s", "C7.2.3", "period of the building"),
-    "xi1": Quantity("", "C7.2.3", "damping of the building"),
-    "eta1": Quantity("", "C7.2.3", "what it makes of the spectrum", "max(0.55, sqrt(10 / (5 + 100 xi1)))"),
-    "Se(T1, xi1)": Quantity("m/s2", "[C7.2.7]", "elastic spectrum at that period"),
-    "n": Quantity("", "[C7.2.10]", "storeys"),
-    "gamma1": Quantity("", "[C7.2.10]", "participation of its first mode"),
-    "psi1(z)": Quantity("", "C7.2.3", "mode at the height of the mechanism", "z / H"),
-    "aZ": Quantity("m/s2", "[C7.2.7], [C7.2.8]", "peak acceleration there", "Se(T1, xi1) gamma1 psi1(z) sqrt(1 + 0.0004 (100 xi1)^2)"),
-    "A": Quantity("", AMPLIFIED, "largest amplification", "1.1 eta / sqrt(xi1)"),
-    "F": Quantity("", AMPLIFIED, "how far the period is from that of the building, zero in resonance"),
-    "SeZ(T)": Quantity("m/s2", "[C7.2.5], [C7.2.6]", "spectrum of the floor at that period"),
+    "H": CodeQuantity("m", "C7.2.3", "height of the building"),
+    "z": CodeQuantity("m", "C7.2.3", "height at which the mechanism is held, above the foundation"),
+    "T1": CodeQuantity("s", "C7.2.3", "period of the building"),
+    "xi1": CodeQuantity("", "C7.2.3", "damping of the building"),
+    "eta1": CodeQuantity("", "C7.2.3", "what it makes of the spectrum", "max(0.55, sqrt(10 / (5 + 100 xi1)))"),
+    "Se(T1, xi1)": CodeQuantity("m/s2", "[C7.2.7]", "elastic spectrum at that period"),
+    "n": CodeQuantity("", "[C7.2.10]", "storeys"),
+    "gamma1": CodeQuantity("", "[C7.2.10]", "participation of its first mode"),
+    "psi1(z)": CodeQuantity("", "C7.2.3", "mode at the height of the mechanism", "z / H"),
+    "aZ": CodeQuantity("m/s2", "[C7.2.7], [C7.2.8]", "peak acceleration there", "Se(T1, xi1) gamma1 psi1(z) sqrt(1 + 0.0004 (100 xi1)^2)"),
+    "A": CodeQuantity("", AMPLIFIED, "largest amplification", "1.1 eta / sqrt(xi1)"),
+    "F": CodeQuantity("", AMPLIFIED, "how far the period is from that of the building, zero in resonance"),
+    "SeZ(T)": CodeQuantity("m/s2", "[C7.2.5], [C7.2.6]", "spectrum of the floor at that period"),
 }
 
 

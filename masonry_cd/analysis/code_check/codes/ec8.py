@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.code import Code
 from masonry_cd.analysis.code_check.floors import part_acceleration
 from masonry_cd.analysis.code_check.ground import Ground
-from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, Quantity, Working, capacity_rows, linear, put_capacity
+from masonry_cd.analysis.code_check.steps import BUILDING, CodeCheck, CodeQuantity, Working, capacity_rows, linear, put_capacity
 from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.code_check.verdicts import LINEAR
 from masonry_cd.analysis.limit.oscillator import Oscillator
@@ -24,15 +24,15 @@ PART = "EN 1998-1, 4.3.5.2"
 TABLE = capacity_rows(
     f"{BY_ITALY} [C8.7.1.1]", f"{BY_ITALY} [C8.7.1.5]", "EN 1998-3, table 3.1", f"{BY_ITALY} [C8.7.1.3]", f"{BY_ITALY} [C8.7.1.4]"
 ) | {
-    "z": Quantity("m", PART, "height at which the mechanism is held, above the foundation"),
-    "H": Quantity("m", PART, "height of the building"),
-    "z/H": Quantity("", PART, "height of the mechanism over that of the building", "z / H"),
-    "Ta": Quantity("s", PART, "period of the part"),
-    "T1": Quantity("s", PART, "period of the building"),
-    "Ta/T1": Quantity("", PART, "period of the part over that of the building", "Ta / T1"),
-    "Sa g": Quantity("m/s2", PART, "acceleration of the part", "ag S max(1, 3 (1 + z/H) / (1 + (1 - Ta/T1)^2) - 0.5)"),
-    "qa": Quantity("", "EN 1998-1, 4.3.5.4", "behaviour factor of the part"),
-    "a asked": Quantity("m/s2", PART, "acceleration over qa, the importance factor of the part being 1", "Sa g / qa"),
+    "z": CodeQuantity("m", PART, "height at which the mechanism is held, above the foundation"),
+    "H": CodeQuantity("m", PART, "height of the building"),
+    "z/H": CodeQuantity("", PART, "height of the mechanism over that of the building", "z / H"),
+    "Ta": CodeQuantity("s", PART, "period of the part"),
+    "T1": CodeQuantity("s", PART, "period of the building"),
+    "Ta/T1": CodeQuantity("", PART, "period of the part over that of the building", "Ta / T1"),
+    "Sa g": CodeQuantity("m/s2", PART, "acceleration of the part", "ag S max(1, 3 (1 + z/H) / (1 + (1 - Ta/T1)^2) - 0.5)"),
+    "qa": CodeQuantity("", "EN 1998-1, 4.3.5.4", "behaviour factor of the part"),
+    "a asked": CodeQuantity("m/s2", PART, "acceleration over qa, the importance factor of the part being 1", "Sa g / qa"),
 }
 
 

@@ -13,7 +13,7 @@ from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import (
     BUILDING,
     CodeCheck,
-    Quantity,
+    CodeQuantity,
     Working,
     capacity_rows,
     linear,
@@ -29,26 +29,26 @@ EDITION = "NTC 2008 with Circolare 617/2009"
 CLAUSE = "C8A.4"
 ULTIMATE, SECANT = 0.4, 0.4  # du* over d0*, ds* over du*
 TABLE = capacity_rows(*5 * (CLAUSE,)) | {
-    "z": Quantity("m", CLAUSE, "height at which the mechanism is held, above the foundation"),
-    "H": Quantity("m", CLAUSE, "height of the building"),
-    "T1": Quantity("s", CLAUSE, "period of the building"),
-    "psi(Z)": Quantity("", CLAUSE, "mode at the height of the mechanism", "z / H"),
-    "n": Quantity("", CLAUSE, "storeys"),
-    "gamma": Quantity("", CLAUSE, "participation of the mode"),
-    "Se psi gamma": Quantity("m/s2", CLAUSE, "acceleration at that height", "Se(T1) psi(Z) gamma"),
-    "q": Quantity("", CLAUSE, "behaviour factor"),
-    "a asked": Quantity("m/s2", CLAUSE, "acceleration asked for"),
-    "du*": Quantity("m", CLAUSE, "displacement borne", f"{ULTIMATE:g} d0*"),
-    "ds*": Quantity("m", CLAUSE, "at which the period is read", f"{SECANT:g} du*"),
-    "alpha(ds*)": Quantity("", CLAUSE, "load factor left there, by the capacity curve"),
-    "as*": Quantity("m/s2", CLAUSE, "capacity there", "alpha(ds*) g / (e* CF)"),
-    "Ts": Quantity("s", CLAUSE, "secant period", "2 pi sqrt(ds* / as*)"),
-    "SDe(T)": Quantity("m", CLAUSE, "displacement of the elastic spectrum"),
-    "Ts/T1": Quantity("", CLAUSE, "of both periods", "Ts / T1"),
-    "d raised": Quantity(
+    "z": CodeQuantity("m", CLAUSE, "height at which the mechanism is held, above the foundation"),
+    "H": CodeQuantity("m", CLAUSE, "height of the building"),
+    "T1": CodeQuantity("s", CLAUSE, "period of the building"),
+    "psi(Z)": CodeQuantity("", CLAUSE, "mode at the height of the mechanism", "z / H"),
+    "n": CodeQuantity("", CLAUSE, "storeys"),
+    "gamma": CodeQuantity("", CLAUSE, "participation of the mode"),
+    "Se psi gamma": CodeQuantity("m/s2", CLAUSE, "acceleration at that height", "Se(T1) psi(Z) gamma"),
+    "q": CodeQuantity("", CLAUSE, "behaviour factor"),
+    "a asked": CodeQuantity("m/s2", CLAUSE, "acceleration asked for"),
+    "du*": CodeQuantity("m", CLAUSE, "displacement borne", f"{ULTIMATE:g} d0*"),
+    "ds*": CodeQuantity("m", CLAUSE, "at which the period is read", f"{SECANT:g} du*"),
+    "alpha(ds*)": CodeQuantity("", CLAUSE, "load factor left there, by the capacity curve"),
+    "as*": CodeQuantity("m/s2", CLAUSE, "capacity there", "alpha(ds*) g / (e* CF)"),
+    "Ts": CodeQuantity("s", CLAUSE, "secant period", "2 pi sqrt(ds* / as*)"),
+    "SDe(T)": CodeQuantity("m", CLAUSE, "displacement of the elastic spectrum"),
+    "Ts/T1": CodeQuantity("", CLAUSE, "of both periods", "Ts / T1"),
+    "d raised": CodeQuantity(
         "m", CLAUSE, "displacement at that height", "SDe(T1) psi(Z) gamma (Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1)"
     ),
-    "d asked": Quantity("m", CLAUSE, "displacement asked for"),
+    "d asked": CodeQuantity("m", CLAUSE, "displacement asked for"),
 }  # fmt: skip
 
 

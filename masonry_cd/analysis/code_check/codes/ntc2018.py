@@ -15,7 +15,7 @@ from masonry_cd.analysis.code_check.ground import Ground
 from masonry_cd.analysis.code_check.steps import (
     BUILDING,
     CodeCheck,
-    Quantity,
+    CodeQuantity,
     Working,
     capacity_rows,
     linear,
@@ -34,14 +34,14 @@ FREE = 0.05  # damping of a part that is free to vibrate
 AT_SLD, AT_SLV, BY_DISPLACEMENTS = "C8.7.1.2.1.5", "C8.7.1.2.1.7", "C8.7.1.2.1.8"
 
 
-def _rows(state: str) -> dict[str, Quantity]:
+def _rows(state: str) -> dict[str, CodeQuantity]:
     """The quantities of the check by displacements at a limit state."""
     share, factor, clause, _ = LIMITS[state]
     return {
-        f"d{state}": Quantity("m", "C8.7.1.2.1.6", "displacement borne", f"{share:g} d0*"),
-        f"alpha(d{state})": Quantity("", "[C8.7.1.3]", "load factor left at that displacement, by the capacity curve"),
-        f"a(d{state})": Quantity("m/s2", "[C8.7.1.3]", "capacity at that displacement", f"alpha(d{state}) g / (e* CF)"),
-        f"T{state}": Quantity("s", clause, "equivalent period", f"{factor:g} pi sqrt(d{state} / a(d{state}))"),
+        f"d{state}": CodeQuantity("m", "C8.7.1.2.1.6", "displacement borne", f"{share:g} d0*"),
+        f"alpha(d{state})": CodeQuantity("", "[C8.7.1.3]", "load factor left at that displacement, by the capacity curve"),
+        f"a(d{state})": CodeQuantity("m/s2", "[C8.7.1.3]", "capacity at that displacement", f"alpha(d{state}) g / (e* CF)"),
+        f"T{state}": CodeQuantity("s", clause, "equivalent period", f"{factor:g} pi sqrt(d{state} / a(d{state}))"),
     }
 
 
@@ -51,13 +51,13 @@ TABLE = (
     | _rows("SLV")
     | _rows("SLC")
     | {
-        "T0": Quantity("s", "[C8.7.1.9]", "period of a part that is free to vibrate"),
-        "Se(T0)": Quantity("m/s2", "[C8.7.1.9]", "asked of a part that is free to vibrate"),
-        "q": Quantity("", AT_SLV, "behaviour factor"),
-        "a asked": Quantity("m/s2", AT_SLV, "acceleration asked for"),
-        "a0* / a": Quantity("", BY_DISPLACEMENTS, "from 1 on the mechanism does not start, which is enough"),
-        "xi": Quantity("", BY_DISPLACEMENTS, "equivalent damping of the mechanism"),
-        "d asked": Quantity("m", BY_DISPLACEMENTS, "displacement asked for at that period"),
+        "T0": CodeQuantity("s", "[C8.7.1.9]", "period of a part that is free to vibrate"),
+        "Se(T0)": CodeQuantity("m/s2", "[C8.7.1.9]", "asked of a part that is free to vibrate"),
+        "q": CodeQuantity("", AT_SLV, "behaviour factor"),
+        "a asked": CodeQuantity("m/s2", AT_SLV, "acceleration asked for"),
+        "a0* / a": CodeQuantity("", BY_DISPLACEMENTS, "from 1 on the mechanism does not start, which is enough"),
+        "xi": CodeQuantity("", BY_DISPLACEMENTS, "equivalent damping of the mechanism"),
+        "d asked": CodeQuantity("m", BY_DISPLACEMENTS, "displacement asked for at that period"),
     }
 )
 
