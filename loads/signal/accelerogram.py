@@ -83,7 +83,7 @@ class Accelerogram(BaseModel):
     units: str | None = None
     """Units of the values, where the file does not say, as "m/s2" or "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
-    """CodeQuantity of the values, where they are no accelerations, which are then made of them, or where the file leaves it open."""
+    """Quantity of the values, where they are no accelerations, which are then made of them, or where the file leaves it open."""
     layout: Literal["columns", "series", "pairs"] | None = None
     """Layout of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a
     line."""
