@@ -284,7 +284,7 @@ def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
     """
     largest = float(np.abs(values).max(initial=0.0))
     if not largest <= most:
-        asked = f"{largest:.3g} {unit}, at most {most:g} are taken"
+        asked = f"{largest:.3g} {unit}, at most {most:g} are allowed"
         raise InputError("loads", f"the {what} at up to {asked}: check units and factors")
 
 
@@ -318,7 +318,7 @@ def _support_motions(parts: Sequence[LoadAction], grid: RunGrid) -> tuple[np.nda
         None without an assembly.
 
     Raises:
-        InputError: more motions than memory should be asked for.
+        InputError: more motions than memory should be required.
     """
     moving = [each for part in parts for each in (part, *part.more) if each.motion is not None]
     turning = _turning(moving, grid)

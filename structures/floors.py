@@ -295,7 +295,7 @@ def _anchored(solids: ConvexSolids, floor: _Floor, side: Side, keys: AnchorTable
     edge = floor.plan[np.abs(floor.plan @ side.normal - side.place - floor.keys.bearing) < AT] @ along
     wanted = float(np.ptp(edge)) / keys.spacing
     if not wanted <= MOST:
-        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
+        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} anchors on a wall, at most {MOST} are allowed")
     count = max(1, round(wanted))
     axis = int(np.abs(side.normal).argmax())
     turn = np.eye(2) if abs(side.normal[axis]) == 1.0 else np.array([side.normal, along])  # (2, 2) to axes of which one is the normal

@@ -271,7 +271,7 @@ def places_of(solids: ConvexSolids, keys: LineTable, axis: int, allowed: np.ndar
     low, high = float(solids.low[there, 1 - axis].min()), float(solids.high[there, 1 - axis].max())
     wanted = keys.number or ((high - low) / keys.spacing if keys.spacing else 1.0)
     if not wanted <= MOST:
-        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} ties, at most {MOST} are taken")
+        raise InputError(f"{where}.spacing", f"makes {wanted:.4g} ties, at most {MOST} are allowed")
     count = max(1, round(wanted))
     apart = keys.spacing or (high - low) / count
     return [0.5 * (low + high) + (k - 0.5 * (count - 1)) * apart for k in range(count)]

@@ -61,7 +61,7 @@ class Browser:
         self.run_async(f"const look = () => ({condition}) ? done(true) : requestAnimationFrame(look); look();")
 
     def drawn(self) -> None:
-        """Wait until what was asked for is drawn: the second frame from now begins when the first has been."""
+        """Wait until the request is drawn: the second frame from now begins when the first has been."""
         self.run_async("requestAnimationFrame(() => requestAnimationFrame(() => done(true)))")
 
     def click(self, selector: str) -> None:

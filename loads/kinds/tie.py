@@ -110,10 +110,10 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Tie:
     if length == 0.0:
         raise InputError(f"{where}.points", "both ends are at one point")
     if not length <= LONGEST_TIE:
-        raise InputError(f"{where}.points", f"the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are taken")
+        raise InputError(f"{where}.points", f"the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are allowed")
     stiffness = table.modulus * table.section / length
     if not SOFTEST <= stiffness <= STIFFEST:
-        raise InputError(where, f"its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
+        raise InputError(where, f"its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are allowed")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
     check_phase(omega, table.damping, grid, f"{where}, a bar of {table.section:.3g} m2 between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)

@@ -62,7 +62,7 @@ class RecordHeading(NamedTuple):
         index, text = self.find(beginning)
         words = [text] if place is None else text.strip("/ ").split("/")
         if (place or 0) >= len(words):
-            raise self.source.error(f"{len(words)} entries, and channel {(place or 0) + 1} is asked for", index)
+            raise self.source.error(f"{len(words)} entries, and channel {(place or 0) + 1} is required", index)
         return index, words[place or 0]
 
 

@@ -68,7 +68,7 @@ def accelerations(raw: RawRecord, keys: Keys, where: str, path: str) -> tuple[np
             values = derivative(values, raw.step)
     worst = float(np.abs(values).max(initial=0.0))
     if not worst <= LARGEST:
-        raise InputError(f"{where}.path", f"{path}: an acceleration of {worst:.4g} m/s2, at most {LARGEST:g} is taken")
+        raise InputError(f"{where}.path", f"{path}: an acceleration of {worst:.4g} m/s2, at most {LARGEST:g} is allowed")
     return values, found
 
 

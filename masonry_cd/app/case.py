@@ -386,7 +386,7 @@ def _beyond_machine(threads: int | None) -> list[str]:
     """A line where a scene asks for more threads than there are cores; threads change no result, so it runs all the same."""
     there = cores()
     beyond = threads is not None and threads > there
-    return [f"run.threads: {threads} asked for, {there} used, as many as there are cores for this run"] if beyond else []
+    return [f"run.threads: {threads} requested, {there} used, as many as there are cores for this run"] if beyond else []
 
 
 def _plane(assembly: Assembly, loading: Loading, settings: Run) -> Plane | None:

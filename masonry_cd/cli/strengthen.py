@@ -25,7 +25,7 @@ def strengthen(
     """Find the least ties that bring a scene to a load factor, or to a share of the motion that a code asks for.
 
     The table [strengthen] has the target, factor or zeta_E, and the candidates: ties [[strengthen.ties]], or rules that make them.
-    Found are the yield forces of least cost under which no mechanism of the whole, nor of the macro-elements if asked for, starts below
+    Found are the yield forces of least cost under which no mechanism of the whole, nor of the macro-elements if requested, starts below
     the target. They are verified by the search for the least factor, and rounded up to bars that can be bought.
     DIR gets strengthen.json, ties.csv, parts.csv, the least mechanism before.png and after.png, strengthen.html, a page with all of it,
     and strengthened.toml, the scene with its ties, which masonry-cd run and limit take; with --shake the folder shaken with both runs and

@@ -300,7 +300,7 @@ def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
     largest = abs(matrix).max() if matrix.nnz else 0.0
     skew = abs(matrix - matrix.T).max() if matrix.nnz else 0.0
     if skew > UNSYMMETRIC * largest:
-        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding"
+        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is allowed for rounding"
         raise InputError(path, f"{name} is unsymmetric {said}")
 
 

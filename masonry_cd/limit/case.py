@@ -225,7 +225,7 @@ def _whole(
     parts that may go along the push; and notes on these parts.
 
     Raises:
-        InputError: loads that do not suit what is asked for, or no answer.
+        InputError: loads that do not suit what is required, or no answer.
     """
     loads, asked = structure.loads(), structure.asked
     how = ways(structure, loads)

@@ -42,7 +42,7 @@ AXES = {"x": (1.0, 0.0), "-x": (-1.0, 0.0), "y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """A mechanism of a part, and its check where one is asked for."""
+    """A mechanism of a part, and its check where one is required."""
 
     part: ElementAnalysis
     one: FoundMechanism
@@ -120,9 +120,9 @@ class Checked:
         a0 = f"alpha0 {made.alpha:.4g}, e* {made.fraction:.3g}, a0* {row['acceleration']:.4g} m/s2{held_words(self.height)}"
         if self.decides is None:
             return f"{of}: {a0}: {self.one.name}"
-        asked, by = [] if row["demand"] is None else [f"{row['demand']:.4g} asked for"], ""
+        asked, by = [] if row["demand"] is None else [f"{row['demand']:.4g} required"], ""
         if row["displacement"] is not None:
-            asked.append(f"{length(row['displacement'])} of d0* {length(made.last)}, {length(row['displacement_demand'])} asked for")
+            asked.append(f"{length(row['displacement'])} of d0* {length(made.last)}, {length(row['displacement_demand'])} required")
             by = f" ({self.decides.check})"
         return f"{of}: {self.decides.state}{by}, ratio {self.decides.ratio:.3g}: {a0}, {'; '.join(asked)}: {self.one.name}"
 
@@ -138,7 +138,7 @@ def checked(parts: Sequence[ElementAnalysis], table: CheckTable | None, ground: 
     Args:
         parts: what was found.
         table: the check, None without one.
-        ground: whose motion is asked for; None without a check.
+        ground: whose motion is required; None without a check.
         assembly: the blocks, from the lowest of which heights count where the table says nothing else.
 
     Raises:

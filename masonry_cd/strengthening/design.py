@@ -216,7 +216,7 @@ def _least(asked: StrengtheningTask, cuts: Sequence[EarlyMechanism]) -> Least:
     except OutOfReach as short:
         crossed = "even with all candidates at their largest force" if short.cut.worth.any() else "no candidate crosses it"
         what = "load factor" if short.cut.of_target else "share of the dead loads"
-        starts = f"starts at a {what} of {short.most:.4g}, {short.cut.asked:.4g} is asked for"
+        starts = f"starts at a {what} of {short.most:.4g}, {short.cut.asked:.4g} is required"
         raise InputError(
             "strengthen",
             f"{asked.goal.words} is out of reach: {short.cut.words}: {starts}; {crossed}",

@@ -94,7 +94,7 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
         out.append(("macro-elements", len({part["element"] for part in summary["parts"]}), ""))
     out.append(("mechanisms looked at", len(summary["mechanisms"]), ""))
     for one in (summary["check"] or {}).get("verdicts", []):
-        out.append((f"{one['check']} check, {one['state']}: borne over asked for", number(one["ratio"], digits=3), ""))
+        out.append((f"{one['check']} check, {one['state']}: borne over required", number(one["ratio"], digits=3), ""))
     if (rating := summary["rating"]) is not None:
         out.append((f"heaviest level of CS 454 with a load factor of {rating['asked']:g}", rating["level"] or "none", ""))
     if (risk := (summary["check"] or {}).get("risk")) and risk["risk_class"]:
@@ -230,8 +230,8 @@ def _row(row: Mapping[str, Any], damage: Mapping[str, str], checked: bool) -> di
         "a0* [m/s²]": _aligned(row["acceleration"], 4),
     }
     if checked:
-        cells["asked for [m/s²]"] = "–" if row["demand"] is None else _aligned(row["demand"], 4)
-        for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("asked for [mm]", "displacement_demand")):
+        cells["required [m/s²]"] = "–" if row["demand"] is None else _aligned(row["demand"], 4)
+        for name, key in (("d0* [mm]", "last"), ("borne [mm]", "displacement"), ("required [mm]", "displacement_demand")):
             cells[name] = "–" if row[key] is None else number(1e3 * row[key], digits=3)
         cells["ratio"] = "–" if row["ratio"] is None else _aligned(row["ratio"]) + ("²" if row["check"] == "non-linear" else "")
         cells["verdict"] = Badge(f"verdict {STATES_OF_CHECKS[row['state']]}", row["state"]) if row["state"] else "–"

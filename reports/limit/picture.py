@@ -140,7 +140,7 @@ def _tie_signs(ties: Sequence[LimitTie]) -> list[Sign]:
 
 
 def view_of_motion(solids: Solids, moves: Mechanism, view: str) -> View:
-    """The view asked for; by itself as of the structure, but not along the axis in which it moves, and from where the blocks move to."""
+    """The view required; by itself as of the structure, but not along the axis in which it moves, and from where the blocks move to."""
     if view != "auto":
         return view_named(view)
     usual = view_named(auto_view(solids))

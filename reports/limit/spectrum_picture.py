@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The spectra of a check by a code, of the ground and at the height of the mechanism, with what is asked for and what is borne."""
+"""The spectra of a check by a code, of the ground and at the height of the mechanism, with what is required and what is borne."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
     damped = per_cent(check.damping)
     axes.plot(spectrum.period, scale * spectrum.ground, color=GROUND, linewidth=1.4, label=f"ground, damping {damped}")
     if spectrum.raised is not None:
-        axes.plot(spectrum.period, scale * spectrum.raised, color=FLOOR, linewidth=2.0, label="asked for at the height of the mechanism")
+        axes.plot(spectrum.period, scale * spectrum.raised, color=FLOOR, linewidth=2.0, label="required at the height of the mechanism")
     if check.q != 1.0:
         axes.plot(
             spectrum.period, scale * spectrum.asked / check.q, color=ASKED, linewidth=1.1, linestyle="--", label=f"over q = {check.q:g}"
@@ -52,7 +52,7 @@ def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
     top = ROOM * scale * max(float(np.max(spectrum.asked)), check.demand, check.capacity)
     low, high = sorted((check.demand, check.capacity))
     sunk = APART if scale * low < LOW * top else 0.0  # words below the lower point would lie on the axis
-    for value, colour, marker, words in ((check.demand, ASKED, "s", "asked for"), (check.capacity, BORNE, "o", "borne")):
+    for value, colour, marker, words in ((check.demand, ASKED, "s", "required"), (check.capacity, BORNE, "o", "borne")):
         up = sunk + (APART if value == high else -APART)
         _point(axes, (check.period, scale * value), (colour, marker), f"{words}: {scale * value:.4g} {unit}", up)
     if check.period > 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hazard of a site as a curve, with the accelerations that are asked for and borne."""
+"""The hazard of a site as a curve, with the accelerations that are required and borne."""
 
 from __future__ import annotations
 

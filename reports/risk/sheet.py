@@ -67,14 +67,14 @@ class RiskSheet:
 
 FORMULAS = {  # of the rows of the sheet, in their order
     "load factor that decides": "α0 of the mechanism with the least verdict",
-    "asked for, PGA_D": "a_g of the hazard at T_R = -V_R / ln(1 - P_VR)",
+    "required, PGA_D": "a_g of the hazard at T_R = -V_R / ln(1 - P_VR)",
     "borne, PGA_C": "the a_g at which capacity = demand",
     "ζ_E": "PGA_C / PGA_D",
     "return period borne": "T_C of PGA_C, between the rows of the hazard by powers",
     "IS-V": "PGA_C / PGA_D at SLV",
     "PAM": "area below the points of 1 / T_C and cost, SLID to SLR",
     "class": "the worse of IS-V's and PAM's",
-    "verdict": "borne ≥ asked for, of all mechanisms found",
+    "verdict": "borne ≥ required, of all mechanisms found",
 }
 
 
@@ -190,7 +190,7 @@ def _values(found: Mapping[str, Any]) -> dict[str, str]:
     loss = "–" if risk["loss"] is None else f"{'≤ ' if risk['loss_at_most'] else ''}{100.0 * risk['loss']:.3g} % a year"
     return {
         "load factor that decides": number(found["mechanisms"][0]["alpha0"], digits=4),
-        "asked for, PGA_D": number(one["asked"], "m/s²", digits=4),
+        "required, PGA_D": number(one["asked"], "m/s²", digits=4),
         "borne, PGA_C": "every a_g" if one["borne"] is None else number(one["borne"], "m/s²", digits=4),
         "ζ_E": "–" if one["share"] is None else number(one["share"], digits=3),
         "return period borne": _period(one),
@@ -265,10 +265,10 @@ def _formula(step: Mapping[str, Any]) -> list[str]:
 
 
 def _marks(sheet: RiskSheet) -> list[tuple[str, float, float]]:
-    """Points of the picture: what is asked for, and what each analysis bears within the rows of the hazard; a_g [m/s2], years."""
+    """Points of the picture: what is required, and what each analysis bears within the rows of the hazard; a_g [m/s2], years."""
     one = _least(sheet.before)
     steps = {step["symbol"]: step["value"] for step in sheet.before["check"]["steps"] if step["part"] == PARTS[0]}
-    marks = [(f"asked for at {sheet.before['check']['limit_state']}", one["asked"], steps["TR"])]
+    marks = [(f"required at {sheet.before['check']['limit_state']}", one["asked"], steps["TR"])]
     for name, found in sheet.columns:
         own = _least(found)
         if own["borne"] and own["return_period_years"] and not own["return_period_bound"]:

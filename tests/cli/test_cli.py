@@ -146,7 +146,7 @@ def test_more_threads_than_cores_and_missed_tolerances_are_said_and_written_down
     solver = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]
     assert solver["steps_missed"] > 0
     assert f"{solver['steps_missed']} of 10 steps missed the tolerance 1e-15" in result.stderr
-    assert f"run.threads: 1000 asked for, {solver['threads']} used" in result.stderr
+    assert f"run.threads: 1000 requested, {solver['threads']} used" in result.stderr
 
 
 def test_a_folder_with_a_run_is_kept_unless_forced(block_on_plate, tmp_path):

@@ -233,7 +233,7 @@ def test_a_check_by_a_code_is_printed_and_written_step_by_step(tmp_path):
     path, folder = scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
     done = masonry_cd("limit", path, "-o", folder, "--no-picture")
     assert done.exit_code == 0, done.output
-    assert "linear check satisfied: 2.422 m/s2 borne, 1 m/s2 asked for" in done.output
+    assert "linear check satisfied: 2.422 m/s2 borne, 1 m/s2 required" in done.output
     made = json.loads((folder / "check.json").read_text())
     assert made == json.loads((folder / "limit.json").read_text())["check"]
     assert {step["symbol"]: step["value"] for step in made["steps"]}["a0*"] == pytest.approx(9.81 / 3.0 / 1.35)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sines, pulses, sequences of shocks and accelerograms of a code: the motion asked for, its impulse, its rests, its spectrum."""
+"""Sines, pulses, sequences of shocks and accelerograms of a code: the motion required, its impulse, its rests, its spectrum."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""The acceleration of the ground that a mechanism just bears, and its share of the one that is asked for.
+r"""The acceleration of the ground that a mechanism just bears, and its share of the one that is required.
 
     PGA_C = the ag at which capacity = demand(ag),        zeta_E = PGA_C / PGA_D,       PGA_D = the ag of the site and limit state
 
@@ -45,7 +45,7 @@ class Borne:
     def words(self) -> str:
         """A line."""
         if self.borne is None:
-            return f"{self.check} check: every ag is borne, up to {MOST:g} times the {self.asked:.4g} m/s2 asked for"
+            return f"{self.check} check: every ag is borne, up to {MOST:g} times the {self.asked:.4g} m/s2 required"
         if self.borne == 0.0:
             return f"{self.check} check: no ag is borne, zeta_E = 0: the mechanism has no capacity"
         share = f"zeta_E = PGA_C / PGA_D = {self.borne:.4g} / {self.asked:.4g} = {self.share:.4g}"

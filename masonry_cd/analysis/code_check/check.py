@@ -79,7 +79,7 @@ def _steps(one: Borne, hazard: Hazard | None) -> list[Step]:
     if one.borne is None or one.share is None:
         return []
     return [
-        Step("PGA_D", one.asked, "m/s2", ZETA, "peak acceleration on rock that is asked for; of a record its own", part=BORNE),
+        Step("PGA_D", one.asked, "m/s2", ZETA, "peak acceleration on rock that is required; of a record its own", part=BORNE),
         Step("PGA_C", one.borne, "m/s2", ZETA, f"that of the motion which the {one.check} check just bears", part=BORNE),
         Step("zeta_E", one.share, "", ZETA, "of both", "PGA_C / PGA_D", BORNE),
         *([] if hazard is None else period_steps(hazard, one)),

@@ -25,5 +25,5 @@ class Code:
     storeys: bool = False  # the mode of a building takes part by its storeys, and is damped
     parts_vibrate: str = ""  # where element_period applies: "anywhere", "above the ground", nowhere where empty
     raised: Callable[[CheckTable, Ground, np.ndarray, float], tuple[np.ndarray, np.ndarray]] | None = None
-    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each, of periods (n,) and a damping."""
+    """Acceleration [m/s2] and displacement [m] required at the height of a table, (n,) each, of periods (n,) and a damping."""
     left_open: Callable[[CheckTable], tuple[str, ...]] = lambda _: ()  # what its clauses leave to the engineer, and what was taken

@@ -93,7 +93,7 @@ class Floor:
         return made.put(f"SeZ({of})", there, formula, like="SeZ(T)")
 
     def displaced(self, made: Working, period: float, damping: float, of: str) -> tuple[float, str]:
-        """The displacement that is asked for at a period whose symbol is ``of`` [m], and its formula; notes what that needs."""
+        """The displacement that is required at a period whose symbol is ``of`` [m], and its formula; notes what that needs."""
         self.put(made, period, damping, of)
         formula, found = f"SeZ({of}) {of}^2 / (4 pi^2)", self._displacement(period, damping)
         if period <= FALL * self.period:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldLevel:
-    """The height at which a mechanism is held, and whose motion is asked for there."""
+    """The height at which a mechanism is held, and whose motion is required there."""
 
     line: float  # z of the centroid of the lines that constrain it [m]
     height: float  # Z, above the foundation [m]
@@ -36,7 +36,7 @@ class HeldLevel:
     def words(self) -> str:
         """The level in a line."""
         motion = "the motion of the building there" if self.counted else "the motion of the ground"
-        return f"held at z = {self.line:.4g} m, {self.height:.4g} m above the foundation ({self.by}): {motion} is asked for"
+        return f"held at z = {self.line:.4g} m, {self.height:.4g} m above the foundation ({self.by}): {motion} is required"
 
 
 def foundation_of(table: CheckTable | None, assembly: Assembly) -> float:
@@ -60,7 +60,7 @@ def level_of(table: CheckTable, line: float, foundation: float) -> HeldLevel:
     height, doubt = max(own, table.height), ""
     if own > ON_THE_GROUND and not table.building:
         keys = "limit.check.building_height and building_period say that of the building"
-        doubt = f"held {own:.3g} m above the ground, whose motion is asked for: {keys}"
+        doubt = f"held {own:.3g} m above the ground, whose motion is required: {keys}"
     elif ON_THE_GROUND < own < table.height:
         keys = f"limit.check.foundation in place of height = {table.height:g} m says from where it counts"
         doubt = f"held {own:.3g} m above the lowest block: {keys}"

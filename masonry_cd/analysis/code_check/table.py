@@ -57,7 +57,7 @@ class CheckTable(SiteSpectrum):
     height: Annotated[float, Unit("m"), Field(ge=0.0, le=1000.0)] = 0.0
     """In place of foundation: all of these blocks are held at least so high above it, whole and parts."""
     building_height: Height | None = None
-    """H of the building, above the foundation; with it each mechanism is asked for the motion at its own height."""
+    """H of the building, above the foundation; with it each mechanism is checked against the motion at its own height."""
     building_period: Span | None = None
     """T1 of it, in the direction of the push."""
     building_damping: Damping = 0.05
@@ -116,7 +116,7 @@ class CheckTable(SiteSpectrum):
 
     @property
     def building(self) -> bool:
-        """Return True if the building is known whose motion above the ground is asked for."""
+        """Return True if the building is known whose motion above the ground is required."""
         return self.building_height is not None
 
     def at(self, height: float) -> CheckTable:

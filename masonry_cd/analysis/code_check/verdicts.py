@@ -110,12 +110,12 @@ class CheckSpectrum:
 
     @property
     def asked(self) -> np.ndarray:
-        """(n,) of which the value at the period of the check is asked for, before it is divided by q."""
+        """(n,) of which the value at the period of the check is required, before it is divided by q."""
         return self.ground if self.raised is None else self.raised
 
     @property
     def largest(self) -> int:
-        """The index of the largest value up to the period of the check: with a record, what is asked for by displacements."""
+        """The index of the largest value up to the period of the check: with a record, what is required by displacements."""
         return int(np.argmax(self.asked[self.period <= self.check.period]))
 
 
@@ -163,8 +163,8 @@ def confidence(state: str, because: str) -> str:
 
 
 def sides_in_words(capacity: float, demand: float, unit: str) -> str:
-    """The phrase on what is borne, what is asked for, and their ratio."""
-    return f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} asked for, ratio {capacity / demand:.3g}"
+    """The phrase on what is borne, what is required, and their ratio."""
+    return f"{capacity:.4g} {unit} borne, {demand:.4g} {unit} required, ratio {capacity / demand:.3g}"
 
 
 def held_words(height: float) -> str:

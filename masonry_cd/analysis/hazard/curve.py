@@ -95,7 +95,7 @@ class Hazard:
         """
         first, last = self.ends
         if not first * (1.0 - 1e-12) <= years <= last * (1.0 + 1e-12):
-            raise InputError(where, f"has return periods of {first:.4g} to {last:.4g} years, and {years:.4g} is asked for; give more rows")
+            raise InputError(where, f"has return periods of {first:.4g} to {last:.4g} years, and {years:.4g} is required; give more rows")
         return self.nearest(years)
 
     def nearest(self, years: float) -> HazardRow:

@@ -125,7 +125,7 @@ def hazard_of(table: HazardTable, folder: Path) -> Hazard:
         found = read_hazard(file, None if table.lon is None or table.lat is None else (table.lon, table.lat))
         stated = measure if "measure" in table.model_fields_set else None
         if found.measure and stated and same_measure(stated) != same_measure(found.measure):
-            raise InputError("hazard.measure", f'"{stated}" is asked for, and {file} is of {found.measure}')
+            raise InputError("hazard.measure", f'"{stated}" is required, and {file} is of {found.measure}')
         rows, measure, years, notes = found.rows, found.measure or measure, found.years or years, found.notes
         try:
             check_rows(rows, years)

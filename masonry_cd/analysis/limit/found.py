@@ -67,7 +67,7 @@ def says_the_same(one: FoundMechanism, other: FoundMechanism) -> bool:
 
 
 def grave(found: Sequence[FoundMechanism]) -> list[int]:
-    """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is asked for more."""
+    """Which mechanisms, the least acceleration first, may have the least ratio: one that is held higher is checked against more."""
     out: list[int] = []
     highest = -math.inf
     for k, one in enumerate(found):

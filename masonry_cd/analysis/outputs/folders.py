@@ -38,7 +38,7 @@ FOLDERS: dict[str, dict[str, str]] = {
         "ties.csv": "what every tie pulls at collapse",
         "check.json": "the check by a code",
         "check.csv": "that check step by step, with its clauses",
-        "spectrum.png": "the spectra of that check, with what is asked for and what is borne",
+        "spectrum.png": "the spectra of that check, with what is required and what is borne",
         "mechanism.png": "the mechanism with hinges and slips",
         "thrust.png": "the line of thrust at collapse",
         "limit.html": "the page with all of it",
@@ -122,7 +122,7 @@ FOLDERS: dict[str, dict[str, str]] = {
     "risk": {
         "risk.html": "hazard, capacity, return period, class and frequencies on one page, each number with its formula",
         "risk.json": "those numbers",
-        "hazard.png": "the hazard of the site, with what is asked for and what is borne",
+        "hazard.png": "the hazard of the site, with what is required and what is borne",
     },
     "compare": {
         "comparison.csv": "the runs side by side, all digits",

@@ -112,12 +112,12 @@ def damping(scene: Scene, asked: AssessTable, of_stiffness: Assumption) -> Assum
         mean = of_stiffness.levels[-2]
         levels = [_damped(share, mean) for share in sorted({0.0, *asked.damping})]
         if len(levels) < 2:
-            return LeftOut(DAMPING, "no share above 0 is asked for")
+            return LeftOut(DAMPING, "no share above 0 is required")
         return Assumption(DAMPING, f"none: rigid; on {mean.name}", tuple(levels), reference=levels[0].name, between=within)
     given = {law.damping for law in scene.material.joints.values()} or {0.0}
     levels = [_damped(share, None) for share in asked.damping if given != {share}]
     if not levels:
-        return LeftOut(DAMPING, "no other share is asked for")
+        return LeftOut(DAMPING, "no other share is required")
     return Assumption(DAMPING, f"{100.0 * max(given):g} %", tuple(levels), between=within)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The runs of an assessment: the base case, its ensemble, each level of each assumption; if asked for, pairs of levels, and all at once.
+"""The runs of an assessment: the base case, its ensemble, each level of each assumption; if requested, pairs of levels, and all at once.
 
 Where all vary at once, each number is uniform over the range of its levels, moduli and soil in their logarithms, and each choice as likely
 as the others. Settings of the computation have no probabilities and stay as they are; rigid joints are no value of a range, so all joints
@@ -61,7 +61,7 @@ class AssessMaker(Maker):
         self._known = {one.name: one for one in known}
 
     def tables(self, asked: DesignedRun) -> dict[str, Any]:
-        """The tables of a run's scene. Statics is asked for where an answer of limit analysis may change.
+        """The tables of a run's scene. Statics is required where an answer of limit analysis may change.
 
         Raises:
             InputError: the ensemble has nothing to perturb.

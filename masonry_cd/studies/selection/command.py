@@ -69,7 +69,7 @@ def select(selection: Selection, folder: Path | None, force: bool = False, say: 
 
 
 def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left: Mapping[str, str]) -> ChosenSet:
-    """The best set, scaled up where that is asked for.
+    """The best set, scaled up where that is required.
 
     Raises:
         InputError: too few candidates.
@@ -79,7 +79,7 @@ def _chosen(selection: Selection, grid: Grid, candidates: list[Candidate], left:
     most = sum(min(names.count(name), asked.per_event or 1) for name in {*names})
     if most < tables.n:
         why = "; ".join(f"{name}: {reason}" for name, reason in list(left.items())[:MOST_NAMED])
-        text = f"{tables.n} records are asked for, and {most} of {len(candidates) + len(left)} may be chosen"
+        text = f"{tables.n} records are required, and {most} of {len(candidates) + len(left)} may be chosen"
         raise InputError(
             "n", text + (f" with {asked.per_event} of an event at most" if asked.per_event else "") + (f": {why}" if why else "")
         )
@@ -129,7 +129,7 @@ def _lines(selection: Selection, made: ChosenSet, left: Mapping[str, str]) -> It
         yield f"  {row['motion']}: factor {row['factor']:.4g}, misfit {row['misfit']:.3f}, PGA {row['pga_m_s2']:.3g} m/s2{about}"
     yield f"mean of ln Sa less that of the target: rms {fit['mean_rms']:.3f}, largest {fit['mean_largest']:+.3f} at {fit['at_s']:.3g} s"
     if fit["sigma"] is not None:
-        wanted = "" if fit["sigma_rms"] is None else f"; less what is asked for: rms {fit['sigma_rms']:.3f}"
+        wanted = "" if fit["sigma_rms"] is None else f"; less what is required: rms {fit['sigma_rms']:.3f}"
         yield f"standard deviation of ln Sa: {fit['sigma']:.3f} on average{wanted}"
     yield from made.rule.lines()
     if left:

@@ -17,7 +17,7 @@ BAND = "#f2f4f6"
 
 
 def draw(selection: Selection, made: ChosenSet, path: Path) -> Path:
-    """Draw a set, and where a standard deviation is asked for, how it has it; return the path."""
+    """Draw a set, and where a standard deviation is required, how it has it; return the path."""
     target, rule = selection.tables.target, made.rule
     facts = (
         f"{len(made.members)} of {made.pool} motions, Sa ({target.of}) for 5 % damping\n"
@@ -62,7 +62,7 @@ def _scatter(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     compared = made.grid.periods[made.grid.compared]
     axes.axvspan(*target.band, color=BAND, zorder=0)
     axes.plot(made.grid.periods[1:], made.differences.std(axis=0, ddof=1)[1:], color=colour(0), linewidth=2.0, label="of the set")
-    axes.plot(compared, target.deviations(compared), color=INK, linewidth=2.2, label="asked for")
+    axes.plot(compared, target.deviations(compared), color=INK, linewidth=2.2, label="required")
     axes.set_ylim(bottom=0.0)
     plain_axes(axes, "standard deviation of ln Sa")
     legend(axes, 2)

@@ -197,7 +197,7 @@ def paired(table: RecordsTable, motion: str, files: Mapping[str, Path]) -> Recor
     """A motion with a file for each axis.
 
     Raises:
-        InputError: a component that is not there, or is asked for twice.
+        InputError: a component that is not there, or is required twice.
     """
     return RecordMotion(motion, {axis: _component(table, axis, motion, files) for axis in table.axes})
 
@@ -210,7 +210,7 @@ def _component(table: RecordsTable, axis: str, motion: str, files: Mapping[str, 
         raise InputError(f"records.{axis}", f'the motion "{motion}" has components {", ".join(sorted(files))}, none of {", ".join(asked)}')
     taken = [name for other in table.axes if other != axis for name in getattr(table, other)[:1] if name == chosen]
     if taken:
-        raise InputError(f"records.{axis}", f'"{chosen}" of the motion "{motion}" is asked for along two axes')
+        raise InputError(f"records.{axis}", f'"{chosen}" of the motion "{motion}" is required along two axes')
     return files[chosen]
 
 

@@ -27,7 +27,7 @@ def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str,
     assert (made.state, made.passed) == (state, passed)
     assert (verdict.state, verdict.sure, verdict.numbers()["passed"]) == (state, sure, passed)
     assert made.numbers()["confidence"] == verdict.confidence == sure.partition(":")[0]
-    assert made.words.startswith(f"linear check {state}: {capacity:g} m/s2 borne, 1 m/s2 asked for, ratio {capacity:g}")
+    assert made.words.startswith(f"linear check {state}: {capacity:g} m/s2 borne, 1 m/s2 required, ratio {capacity:g}")
     assert ("no search" in made.words) is (state == "not decided" and bool(doubt))
 
 

@@ -7,7 +7,7 @@ from masonry_cd.mechanics.solvers import cores, options, threads_that_pay
 
 
 def test_threads_grow_with_the_contacts_up_to_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Contacts in a plane count a third of those in space; what is asked for is taken, as far as there are cores."""
+    """Contacts in a plane count a third of those in space; as many are taken as requested, as far as there are cores."""
     monkeypatch.setattr(options, "cores", lambda: 4)
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     assert [threads_that_pay(None, contacts, 3) for contacts in (0, 3_000, 7_000, 12_000, 10**6)] == [1, 1, 2, 3, 4]

@@ -37,7 +37,7 @@ TABLE = capacity_rows(*5 * (CLAUSE,)) | {
     "gamma": CodeQuantity("", CLAUSE, "participation of the mode"),
     "Se psi gamma": CodeQuantity("m/s2", CLAUSE, "acceleration at that height", "Se(T1) psi(Z) gamma"),
     "q": CodeQuantity("", CLAUSE, "behaviour factor"),
-    "a asked": CodeQuantity("m/s2", CLAUSE, "acceleration asked for"),
+    "a asked": CodeQuantity("m/s2", CLAUSE, "acceleration required"),
     "du*": CodeQuantity("m", CLAUSE, "displacement borne", f"{ULTIMATE:g} d0*"),
     "ds*": CodeQuantity("m", CLAUSE, "at which the period is read", f"{SECANT:g} du*"),
     "alpha(ds*)": CodeQuantity("", CLAUSE, "load factor left there, by the capacity curve"),
@@ -48,7 +48,7 @@ TABLE = capacity_rows(*5 * (CLAUSE,)) | {
     "d raised": CodeQuantity(
         "m", CLAUSE, "displacement at that height", "SDe(T1) psi(Z) gamma (Ts/T1)^2 / sqrt((1 - Ts/T1)^2 + 0.02 Ts/T1)"
     ),
-    "d asked": CodeQuantity("m", CLAUSE, "displacement asked for"),
+    "d asked": CodeQuantity("m", CLAUSE, "displacement required"),
 }  # fmt: skip
 
 
@@ -73,7 +73,7 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
 
 
 def _asked(table: CheckTable, ground: Ground, made: Working) -> tuple[float, str]:
-    """The acceleration asked for, before q: that of the ground, above it also Se(T1) psi(Z) gamma [m/s2]; and its formula."""
+    """The acceleration required, before q: that of the ground, above it also Se(T1) psi(Z) gamma [m/s2]; and its formula."""
     if not table.height:
         return ground.peak, "ag S"
     assert table.building_period is not None and table.building_height is not None
@@ -115,7 +115,7 @@ def resonance(ratio: float) -> float:
 
 
 def raised(table: CheckTable, ground: Ground, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
-    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each."""
+    """Acceleration [m/s2] and displacement [m] required at the height of a table, (n,) each."""
     first, share = table.building_period or 1.0, table.share * table.gamma
     grown = np.array([resonance(ratio) for ratio in (periods / first).tolist()])
     there = max(ground.acceleration(first) * share, ground.peak)

@@ -54,10 +54,10 @@ TABLE = (
         "T0": CodeQuantity("s", "[C8.7.1.9]", "period of a part that is free to vibrate"),
         "Se(T0)": CodeQuantity("m/s2", "[C8.7.1.9]", "asked of a part that is free to vibrate"),
         "q": CodeQuantity("", AT_SLV, "behaviour factor"),
-        "a asked": CodeQuantity("m/s2", AT_SLV, "acceleration asked for"),
+        "a asked": CodeQuantity("m/s2", AT_SLV, "acceleration required"),
         "a0* / a": CodeQuantity("", BY_DISPLACEMENTS, "from 1 on the mechanism does not start, which is enough"),
         "xi": CodeQuantity("", BY_DISPLACEMENTS, "equivalent damping of the mechanism"),
-        "d asked": CodeQuantity("m", BY_DISPLACEMENTS, "displacement asked for at that period"),
+        "d asked": CodeQuantity("m", BY_DISPLACEMENTS, "displacement required at that period"),
     }
 )
 
@@ -162,7 +162,7 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, made:
 
 
 def raised(table: CheckTable, ground: Ground, periods: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
-    """Acceleration [m/s2] and displacement [m] asked for at the height of a table, (n,) each."""
+    """Acceleration [m/s2] and displacement [m] required at the height of a table, (n,) each."""
     floor = Floor.of(table, ground)
     found, displaced = floor.spectrum_at(periods, damping)
     return np.maximum(found, ground.peak), displaced
