@@ -80,7 +80,7 @@ def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
 def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     case = checked(tmp_path, 1.08, "starts = 0\n")
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
-    assert "not searched for by default: limit.starts = 2 does" in case.check.verdicts[0].words
+    assert "not computed by default: limit.starts = 2 does" in case.check.verdicts[0].words
     case = checked(tmp_path, 1.5, "starts = 1\n")
     assert case.check is not None and case.check.verdicts[0].state == "not decided"
     assert "1 of 1 starts came to the least factor found, 2 have to agree" in case.check.verdicts[0].words
@@ -88,7 +88,7 @@ def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path,
     case = checked(tmp_path, 1.5)
     assert case.check is not None and case.whole.analysis.starts == 0
     assert case.check.verdicts[0].state == "not decided"
-    assert "not searched for by default in a structure of more than 4 contact points: limit.starts = 2 does" in case.check.verdicts[0].words
+    assert "not computed by default in a structure of more than 4 contact points: limit.starts = 2 does" in case.check.verdicts[0].words
 
 
 def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
