@@ -39,6 +39,7 @@ import numpy as np
 from loads.bar_frequency import bar_of
 from loads.bars import PointLoad, Tie
 from loads.motion import LoadAction, RunGrid, Static
+from masonry_cd.foundation.quantities import force
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 
@@ -65,11 +66,11 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> LoadAction:
     pressing = [bar for thrust in pressed for bar in _slackening(fill, thrust, carriers, assembly)]
     bars = _passive(fill, grid, shaken, fill.coefficients[fill.pressure])
     total, most = sum(bar.tension for bar in pressing), sum(bar.limit for bar in bars)
-    lines = [f"{fill.where}: {total:.4g} N press on walls and backs, {_in_words(fill)}"] if pressing else []
+    lines = [f"{fill.where}: {force(total)} press on walls and backs, {_in_words(fill)}"] if pressing else []
     if bars:
         why = " (loads shake or push)" if shaken else ""
         share = _share(fill, shaken)
-        lines.append(f"{fill.where}: {len(bars)} faces that move into the fill meet at most {share:.3g} K_p{why}, {most:.4g} N in all")
+        lines.append(f"{fill.where}: {len(bars)} faces that move into the fill meet at most {share:.3g} K_p{why}, {force(most)} in all")
     summary = {"kind": "fill", "pressure": total, "passive_share": _share(fill, shaken), "passive_most": most, "shaken": shaken}
     falling = {"active_at": fill.active_at, "gone_at": fill.reach} if pressing else {}
     return LoadAction(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)

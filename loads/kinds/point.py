@@ -20,6 +20,7 @@ from loads.motion import LoadAction, LoadKind, LoadTable, RunGrid, Static, lifts
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Numbers, Vector
+from masonry_cd.foundation.quantities import force
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 from masonry_cd.mechanics.model.usual import FORCES
@@ -102,7 +103,7 @@ def point(table: PointLoadTable, grid: RunGrid, where: str) -> LoadAction:
     size, weight = math.hypot(*load.force), assembly.mass[load.block] * math.hypot(*grid.gravity)
     relation = f", {size / weight:.3g} times its weight" if weight > 0.0 and size else ""
     turns = f"{math.hypot(*load.moment):.4g} N m" if load.moment is not None else ""
-    acts = " and ".join(part for part in (f"{size:.4g} N" if size or not turns else "", turns) if part)
+    acts = " and ".join(part for part in (force(size) if size or not turns else "", turns) if part)
     stages = f", in {len(table.stages)} stages up to {table.end:.4g} s" if table.stages else ""
     return LoadAction(
         forces=(load,),

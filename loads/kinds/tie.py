@@ -18,6 +18,7 @@ from loads.motion import LoadAction, LoadKind, LoadTable, Positive, RunGrid, Sta
 from loads.supports import one_block
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Flag, Vector, check_tension, two_blocks
+from masonry_cd.foundation.quantities import force, stiffness
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 from masonry_cd.mechanics.model.usual import DIAMETER, SECTION, TENSION, TIE_MODULUS, YIELDING
@@ -78,8 +79,8 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> LoadAction:
         InputError: an end off its block; see :func:`bar`.
     """
     made = _on_blocks(table, grid, where)
-    yields = "" if table.yield_force is None else f", yields at {made.limit:g} N"
-    about = f"{made.length:.4g} m, {made.stiffness:.4g} N/m, {table.tension:g} N{yields}"
+    yields = "" if table.yield_force is None else f", yields at {force(made.limit)}"
+    about = f"{made.length:.4g} m, {stiffness(made.stiffness)}, tension {force(table.tension)}{yields}"
     return LoadAction(
         forces=(made,),
         lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {about}',),
@@ -111,15 +112,17 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Tie:
         raise InputError(f"{where}.points", "both ends are at one point")
     if not length <= LONGEST_TIE:
         raise InputError(f"{where}.points", f"the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are allowed")
-    stiffness = table.modulus * table.section / length
-    if not SOFTEST <= stiffness <= STIFFEST:
-        raise InputError(where, f"its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are allowed")
-    omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
+    along = table.modulus * table.section / length
+    if not SOFTEST <= along <= STIFFEST:
+        raise InputError(
+            where, f"its modulus and section make {stiffness(along)}, {stiffness(SOFTEST)} to {stiffness(STIFFEST)} are allowed"
+        )
+    omega = float(np.sqrt(along / felt_mass(assembly, ends, points)))
     check_phase(omega, table.damping, grid, f"{where}, a bar of {table.section:.3g} m2 between these blocks")
-    damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
+    damping = 2.0 * table.damping * along / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
     name, early = table.name or "", table.from_start
-    return Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, name, early)
+    return Tie(ends, points - centres, length, table.section, along, table.tension, damping, limit, name, early)
 
 
 KINDS = {

@@ -29,6 +29,7 @@ from loads.motion import LoadAction, LoadKind, LoadTable, Places, RunGrid, Stati
 from loads.wheels import ON, Known, Strips, places_on, stress_under, strips_of
 from masonry_cd.foundation.errors import Faults, InputError
 from masonry_cd.foundation.fields import Instant, is_number
+from masonry_cd.foundation.quantities import force
 from masonry_cd.foundation.units import Unit, Usual
 from masonry_cd.mechanics.model.fill import Fill
 from masonry_cd.mechanics.model.usual import FORCES
@@ -250,7 +251,7 @@ def _line(table: VehicleTable, fill: Fill, where: str) -> str:
     moves = f"from x = {_begin(table, fill):.4g} m on at {table.speed:g} m/s" if table.speed > 0.0 else f"at x = {table.position:g} m"
     named = f" {table.name}" if table.name else ""
     total = sum(vehicle.loads)
-    return f"{where} vehicle{named} of {len(vehicle.loads)} axles, {total:.4g} N, its first axle {moves}; spread {spread}"
+    return f"{where} vehicle{named} of {len(vehicle.loads)} axles, {force(total)}, its first axle {moves}; spread {spread}"
 
 
 def _end(table: VehicleTable, grid: RunGrid, where: str) -> float:

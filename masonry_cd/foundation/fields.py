@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
 
+from masonry_cd.foundation.quantities import force
 from masonry_cd.foundation.units import Unit
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -42,7 +43,7 @@ def check_tension(tension: float, yield_force: float | None) -> None:
         ValueError: for the validator of a table.
     """
     if yield_force is not None and tension >= yield_force:
-        raise ValueError(f"the tension at the start, {tension:g} N, must be below yield_force, {yield_force:g} N")
+        raise ValueError(f"the tension at the start, {force(tension)}, must be below yield_force, {force(yield_force)}")
 
 
 def _three_numbers(value: object) -> object:

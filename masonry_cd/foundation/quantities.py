@@ -27,6 +27,11 @@ def force(value: float) -> str:
     return _prefixed(value, "N", "M", "k", "")
 
 
+def stiffness(value: float, unit: str = "N/m") -> str:
+    """A stiffness, of a spring or per area: ``120 MN/m``, ``18 GN/m3``."""
+    return _prefixed(value, unit, "G", "M", "k", "")
+
+
 def pressure(value: float) -> str:
     """A stress: ``1.05 MPa``, ``12 kPa``, ``0.3 Pa``; ``infinite`` where it is."""
     return "infinite" if math.isinf(value) else _prefixed(value, "Pa", "G", "M", "k", "")

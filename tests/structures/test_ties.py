@@ -114,7 +114,7 @@ def test_a_structure_in_its_place_takes_its_ties_along():
         ({**ROD, "number": 2, "spacing": 1.0}, "structure.ties[0]: give one of at, number and spacing"),
         ({**ROD, "plate": 1e5}, "structure.ties[0].plate: 100000 m is so wide that next to nothing of it lies on the wall"),
         ({**ROD, "plate": 3.0}, "structure.ties[0].plate: 3 m is so wide that 15 % of it lies on the wall; at least half has to"),
-        ({**ROD, "tension": 2e3, "yield_force": 1e3}, "structure.ties[0]: the tension at the start, 2000 N, must be below yield_force"),
+        ({**ROD, "tension": 2e3, "yield_force": 1e3}, "structure.ties[0]: the tension at the start, 2 kN, must be below yield_force"),
         ({**ROD, "hight": 2}, 'structure.ties[0].hight: unknown key (did you mean "height"?)'),
         ({**ROD, "along": "z"}, "structure.ties[0].along: input should be 'x' or 'y'"),
     ],

@@ -57,7 +57,7 @@ def test_damping_of_zero_is_none_whatever_the_frequency():
         (
             {"normal_stiffness": 1e9, "cohesion": 1e5, "tension": 3e5},
             0.5,
-            "the tension 300000 Pa of the joint base-base is above its cohesion",
+            "the tension 300 kPa of the joint base-base is above its cohesion",
         ),
         ({"cohesion": 1e5}, 0.0, "the joint base-base has cohesion but no friction"),
     ],

@@ -12,6 +12,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Number
+from masonry_cd.foundation.quantities import pressure
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.elastic import ElasticKeys
 from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law, of_masonry
@@ -42,8 +43,8 @@ def _tables(law: BondKeys, mu: float, pair: str) -> dict[str, float]:
     if (law.tension or 0.0) > apex:
         raise InputError(
             "material.joints",
-            f"the tension {law.tension:g} Pa of the joint {pair} is above its cohesion over its friction, "
-            f"{law.cohesion:g} Pa / {mu:g} = {apex:g} Pa, where the line of Mohr-Coulomb ends",
+            f"the tension {pressure(law.tension or 0.0)} of the joint {pair} is above its cohesion over its friction, "
+            f"{pressure(law.cohesion)} / {mu:g} = {pressure(apex)}, where the line of Mohr-Coulomb ends",
         )
     return {"apex": apex, "tension": tension}
 

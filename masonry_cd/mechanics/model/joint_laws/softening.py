@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Number
+from masonry_cd.foundation.quantities import pressure
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.bonded import BondKeys, strengths
 from masonry_cd.mechanics.model.joint_laws.law import Law
@@ -62,7 +63,7 @@ def _tables(law: SofteningKeys, mu: float, pair: str) -> dict[str, float]:
         if energy <= stored:
             raise InputError(
                 "material.joints",
-                f"{key} of the joint {pair} is {energy:g} N/m, no more than its spring stores at the {of}, {strength:g} Pa: "
+                f"{key} of the joint {pair} is {energy:g} N/m, no more than its spring stores at the {of}, {pressure(strength)}: "
                 f"{of}^2 / (2 stiffness) = {stored:.4g} N/m; give it more energy, or a stiffer joint",
             )
     return {
