@@ -59,7 +59,7 @@ def check_needs(settings: Report) -> None:
     """
     for name in (*OUTPUTS, *settings.by_name):
         if getattr(settings, name, False):
-            require(f"report.{name}", *output_of(name).needs, without=f" (or go without report.{name})")
+            require(f"report.{name}", *output_of(name).needs, without=f" (or go without: --set report.{name}=false)")
 
 
 def check_again(settings: Report, results: Results) -> None:
