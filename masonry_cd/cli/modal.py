@@ -29,6 +29,16 @@ def modal(
     mesh_size: Annotated[float | None, typer.Option(metavar="H", help="Of the tetrahedra [m].", show_default="thickness")] = None,
     restraint: Annotated[list[str] | None, typer.Option(metavar="GROUP=DIRECTIONS", help="What supports hold: pier1=z.")] = None,
     reference: Annotated[Path | None, typer.Option(metavar="CSV", help="Measured modes to compare with.")] = None,
+    ambient: Annotated[
+        Path | None, typer.Option(metavar="CSV", help="Accelerations under ambient noise: their modes are the measured ones.")
+    ] = None,
+    sensors: Annotated[Path | None, typer.Option(metavar="CSV", help="Places of the sensors of --ambient.")] = None,
+    lowest: Annotated[
+        float | None, typer.Option(metavar="F", help="Lowest frequency of --ambient [Hz].", show_default="1/50 of the highest")
+    ] = None,
+    highest: Annotated[
+        float | None, typer.Option(metavar="F", help="Highest frequency of --ambient [Hz].", show_default="0.4 of the rate")
+    ] = None,
     fit: Annotated[bool, typer.Option("--fit", help="Fit E to the first measured frequency.")] = False,
     pictures: Annotated[int, typer.Option(metavar="N", help="Modes to draw.")] = 6,
     nscd: Annotated[bool, typer.Option("--nscd", help="Frequencies of the run itself, on the scene's elastic joints, instead.")] = False,
@@ -46,6 +56,7 @@ def modal(
     Examples:
       masonry-cd modal aqueduct.toml -o out/modal --young 3e9
       masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
+      masonry-cd modal tower.toml -o out/modal --ambient night.csv --sensors sensors.csv --lowest 0.5 --highest 12 --fit
       masonry-cd modal mortar.toml -o out/modal --nscd --sweep x
     """
     from masonry_cd.app.scene import read_scene
@@ -60,7 +71,7 @@ def modal(
     options = {
         "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
         "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
-        "fit": fit, "pictures": pictures,
+        "ambient": ambient, "sensors": sensors, "lowest": lowest, "highest": highest, "fit": fit, "pictures": pictures,
     }  # fmt: skip
     return command(asked, options, output, force)
 

@@ -29,6 +29,7 @@ EXTRA_OF = {
     "xarray": "tables",
     "obspy": "records",
     "ifcopenshell": "ifc",
+    "pyoma2": "oma",
     "dask_jobqueue": "slurm",
 }
 SOLD_AS = {
@@ -37,6 +38,7 @@ SOLD_AS = {
     "sklearn": "scikit-learn",
     "vtkmodules": "VTK",
     "dask_jobqueue": "dask-jobqueue",
+    "pyoma2": "pyOMA-2",
 }  # packages of another name
 
 

@@ -26,13 +26,13 @@ def modal(
         folder: where tables and pictures are written; nowhere by default.
         force: overwrite what the folder holds.
         options: young [Pa], one value or by group of blocks, poisson, method ("continuum", "joints" or "both"), modes, mesh_size [m],
-            restraint, reference, fit, pictures.
+            restraint, reference, fit, pictures; ambient and sensors, the files of an ambient record, lowest and highest [Hz].
 
     Returns:
         what modal.json holds: ``models`` by method, with ``frequency_hz``, ``participation`` and so on.
 
     Raises:
-        InputError: a wrong option, scene, or file of measured modes.
+        InputError: a wrong option, scene, or file of measured modes or of an ambient record.
 
     >>> import masonry_cd as mc
     >>> made = mc.modal("examples/trilithon.toml", young=3e9, method="joints", modes=2)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -80,30 +80,62 @@ def read_measured(path: Path | str) -> list[MeasuredMode]:
         InputError: no such file, a column that is unknown, missing or without a unit, or a value that is wrong; names file and line.
     """
     path = Path(path)
+    header, table = table_rows(path, COLUMNS, f"holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
+    _check_header(header, path)
+    rows: dict[int, list[tuple[str, dict[str, str]]]] = {}
+    for where, row in table:
+        rows.setdefault(_mode_number(row["mode"], where), []).append((where, row))
+    return [_mode(mode, rows[mode]) for mode in sorted(rows)]
+
+
+def numbered_lines(path: Path, empty: str) -> list[tuple[str, str]]:
+    """Return file and line number, and text, of the lines of a table without remarks: the heading and one more, or ``empty`` is said.
+
+    Raises:
+        InputError: no such file, not a text, or too few lines.
+    """
     try:
         lines = read_text(path, encoding="utf-8-sig").splitlines()
     except OSError as failure:
         raise InputError(path, f"cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:
         raise InputError(path, "not a text file in UTF-8") from None
-    numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
+    numbered = [(f"{path}:{n}", line) for n, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(numbered) < 2:
-        raise InputError(path, f"holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
-    header = _cells(numbered[0][1], f"{path}:{numbered[0][0]}")
-    _check_header(header, path)
-    rows: dict[int, list[tuple[str, dict[str, str]]]] = {}
-    for number, line in numbered[1:]:
-        where = f"{path}:{number}"
-        cells = _cells(line, where)
-        if len(cells) > len(header):
-            raise InputError(where, f"{len(cells)} values under {len(header)} columns")
-        row = dict(zip(header, cells + [""] * (len(header) - len(cells)), strict=True))
-        rows.setdefault(_mode_number(row["mode"], where), []).append((where, row))
-    return [_mode(number, rows[number]) for number in sorted(rows)]
+        raise InputError(path, empty)
+    return numbered
 
 
-def _cells(line: str, where: str) -> list[str]:
-    """The cells of a line."""
+def table_rows(path: Path, columns: Sequence[str], empty: str) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
+    """Return the heading of a table of known columns, and file and line, and cells by column, of each row.
+
+    Raises:
+        InputError: as of :func:`numbered_lines`, a column that is unknown, without a unit or there twice, or too many cells.
+    """
+    (where, heading), *lines = numbered_lines(path, empty)
+    header = cells(heading, where)
+    for name in header:
+        if name in WITH_UNIT and WITH_UNIT[name] in columns:
+            raise InputError(path, f'column "{name}" has no unit; write {WITH_UNIT[name]}')
+        if name not in columns:
+            raise InputError(path, f'unknown column "{name}"{suggest(name, columns)}; known: {", ".join(columns)}')
+        if header.count(name) > 1:
+            raise InputError(path, f'column "{name}" occurs twice')
+    rows = []
+    for where, line in lines:
+        row = cells(line, where)
+        if len(row) > len(header):
+            raise InputError(where, f"{len(row)} values under {len(header)} columns")
+        rows.append((where, dict(zip(header, row + [""] * (len(header) - len(row)), strict=True))))
+    return header, rows
+
+
+def cells(line: str, where: str) -> list[str]:
+    """Return the cells of a line.
+
+    Raises:
+        InputError: it is no line of a table.
+    """
     try:
         return [cell.strip() for cell in next(csv.reader([line]))]
     except csv.Error as failure:
@@ -111,14 +143,7 @@ def _cells(line: str, where: str) -> list[str]:
 
 
 def _check_header(header: Sequence[str], path: Path) -> None:
-    """Known columns with units, each once; places complete."""
-    for name in header:
-        if name in WITH_UNIT:
-            raise InputError(path, f'column "{name}" has no unit; write {WITH_UNIT[name]}')
-        if name not in COLUMNS:
-            raise InputError(path, f'unknown column "{name}"{suggest(name, COLUMNS)}; known: {", ".join(COLUMNS)}')
-        if header.count(name) > 1:
-            raise InputError(path, f'column "{name}" occurs twice')
+    """The columns that are needed; places complete."""
     if "mode" not in header:
         raise InputError(path, "column mode: missing")
     if ("frequency_hz" in header) == ("period_s" in header):
@@ -135,36 +160,59 @@ def _mode_number(text: str, where: str) -> int:
     return int(text)
 
 
-def _number(text: str, column: str, where: str) -> float:
+def number(text: str, column: str, where: str) -> float:
+    """Return the number in a cell.
+
+    Raises:
+        InputError: it is none.
+    """
     value = finite_number(text)
     if value is None:
         raise InputError(where, f'{column}: should be a number, got "{text}"')
     return value
 
 
-def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMode:
+def place_of(row: Mapping[str, str], where: str) -> list[float]:
+    """Return x, y and z [m] of a row that has them."""
+    place = {PLACES[name][0]: number(row[name], name, where) * PLACES[name][1] for name in row if name in PLACES}
+    return [place[axis] for axis in "xyz"]
+
+
+def _mode(mode: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMode:
     """One mode from its rows."""
     frequencies, points, shape, places = [], [], [], []
     for where, row in rows:
         for column in ("frequency_hz", "period_s"):
             if row.get(column):
-                value = _number(row[column], column, where)
+                value = number(row[column], column, where)
                 if value <= 0.0:
                     raise InputError(where, f"{column}: must be above 0, got {value:g}")
                 frequencies.append(value if column == "frequency_hz" else 1.0 / value)
                 if not SLOWEST <= frequencies[-1] <= FASTEST:
                     raise InputError(where, f"{column}: a frequency between {SLOWEST:g} and {FASTEST:g} Hz is needed, got {value:g}")
                 if not math.isclose(frequencies[-1], frequencies[0], rel_tol=1e-9):
-                    raise InputError(where, f"{column}: mode {number} has another one before, {value:g}")
+                    raise InputError(where, f"{column}: mode {mode} has another one before, {value:g}")
         if not any(row.get(name) for name in COMPONENTS):
             continue
-        place = {PLACES[name][0]: _number(row[name], name, where) * PLACES[name][1] for name in row if name in PLACES}
-        points.append([place[axis] for axis in "xyz"])
-        shape.append([_number(row[name], name, where) if row.get(name) else math.nan for name in COMPONENTS])
+        points.append(place_of(row, where))
+        shape.append([number(row[name], name, where) if row.get(name) else math.nan for name in COMPONENTS])
         places.append(where)
     if not frequencies:
-        raise InputError(rows[0][0], f"mode {number} has no frequency")
-    return MeasuredMode(number, frequencies[0], np.reshape(points, (-1, 3)), np.reshape(shape, (-1, 3)), tuple(places))
+        raise InputError(rows[0][0], f"mode {mode} has no frequency")
+    return MeasuredMode(mode, frequencies[0], np.reshape(points, (-1, 3)), np.reshape(shape, (-1, 3)), tuple(places))
+
+
+def shape_rows(
+    frequencies: Sequence[float] | np.ndarray, names: Sequence[str], points: np.ndarray, shapes: Sequence[np.ndarray] | np.ndarray
+) -> list[dict[str, object]]:
+    """Return shapes (n, P, 3) at points (P, 3) [m] as rows of a file of measured modes; what is not known is left empty."""
+    rows = []
+    for k, frequency in enumerate(frequencies):
+        for name, point, shape in zip(names, points, shapes[k], strict=True):
+            row: dict[str, object] = {"mode": k + 1, "frequency_hz": float(frequency), "point": name}
+            row |= {f"{axis}_m": float(point[i]) for i, axis in enumerate("xyz")}
+            rows.append(row | {f"u{axis}": "" if math.isnan(shape[i]) else float(shape[i]) for i, axis in enumerate("xyz")})
+    return rows
 
 
 def mac(first: np.ndarray, second: np.ndarray) -> float:
@@ -179,6 +227,15 @@ def _scaled(shape: np.ndarray) -> np.ndarray:
     """A shape whose largest entry is 1, so that its square is a number; zeros stay zeros."""
     largest = float(np.abs(shape).max(initial=0.0))
     return shape / largest if largest > 0.0 else shape
+
+
+def turned_like(modes: Modes, other: Modes) -> Modes:
+    """Return the modes, each with the sign of the mode of another model that it resembles most."""
+    signs = np.ones(modes.count)
+    for k, shape in enumerate(modes.shapes):
+        nearest = max(range(other.count), key=lambda i: mac(shape, other.shapes[i]))
+        signs[k] = 1.0 if np.sum(shape * other.shapes[nearest]) >= 0.0 else -1.0
+    return modes.turned(signs)
 
 
 def mac_table(modes: Modes, measured: Sequence[MeasuredMode]) -> np.ndarray:

@@ -68,6 +68,8 @@ FOLDERS: dict[str, dict[str, str]] = {
         "modal.csv": "every mode: frequency, participating masses",
         "shapes_continuum.csv": "modes of the bonded continuum, at the blocks' centres",
         "shapes_joints.csv": "modes of rigid blocks on elastic joints",
+        "ambient.csv": "modes identified from an ambient record, as measured modes are read",
+        "stabilisation.png": "the poles among which they were found, over the order of the model",
         "modes_continuum.png": "those modes drawn",
         "modes_joints.png": "those modes drawn",
         "mesh_convergence.csv": "frequencies over the size of the elements",

@@ -5,6 +5,7 @@ modal.json            everything below, and the size of the models
 modal.csv             one row per model and mode: frequency, participating masses, measured frequency, error, MAC
 shapes_<model>.csv    shapes at the centroids of the blocks, in the form in which measured modes are read
 modes_<model>.png     pictures of the first modes
+ambient.csv           modes identified from an ambient record, in that form too; stabilisation.png shows how
 mesh_convergence.csv  frequencies of the continuum by size of the elements, where asked for
 """
 
@@ -19,10 +20,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from masonry_cd.analysis.modal.measured_modes import MeasuredMode, ModePair, fit_factor, mac, pair, read_measured
+from masonry_cd.analysis.modal.measured_modes import MeasuredMode, ModePair, fit_factor, mac, pair, read_measured, shape_rows, turned_like
 from masonry_cd.analysis.modal.modes import METHODS, Modes
 from masonry_cd.analysis.modal.modes import modal as modes_of
 from masonry_cd.analysis.outputs.folders import files_of
+from masonry_cd.app.ambient import Ambient, ambient_of
 from masonry_cd.app.folders import free_folder
 from masonry_cd.app.result import Result
 from masonry_cd.foundation import own_files
@@ -69,6 +71,14 @@ class ModalOptions(BaseModel):
     """Directions that supports hold, by group; all when not given."""
     reference: Path | None = None
     """CSV file of measured modes."""
+    ambient: Path | None = None
+    """CSV file of accelerations under ambient noise, from which modes are identified and taken as measured."""
+    sensors: Path | None = None
+    """CSV file of the places of the sensors of ``ambient``."""
+    lowest: Annotated[Positive, Unit("Hz")] | None = None
+    """Lowest frequency to identify; 1/50 of the highest when not given."""
+    highest: Annotated[Positive, Unit("Hz")] | None = None
+    """Highest frequency to identify; 0.4 of the rate when not given."""
     fit: bool = False
     """Fit the modulus to the first measured frequency."""
     pictures: Annotated[int, Field(ge=0)] = 6
@@ -78,8 +88,12 @@ class ModalOptions(BaseModel):
 
     @model_validator(mode="after")
     def _fit_needs_measured(self) -> ModalOptions:
-        if self.fit and self.reference is None:
-            raise ValueError("fit needs the measured modes: give reference")
+        if self.fit and self.reference is None and self.ambient is None:
+            raise ValueError("fit needs the measured modes: give reference or ambient")
+        if self.reference is not None and self.ambient is not None:
+            raise ValueError("reference and ambient both give the measured modes: give one of them")
+        if (self.ambient is None) != (self.sensors is None) or (self.ambient is None and (self.lowest or self.highest)):
+            raise ValueError("ambient and sensors, a record and the places of its sensors, need each other, lowest and highest need them")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
             raise ValueError("tangential_stiffness needs normal_stiffness as well")
         return self
@@ -121,7 +135,7 @@ def modal(
         what modal.json holds, ``lines`` and ``warnings`` among them.
 
     Raises:
-        InputError: a wrong option, scene, or file of measured modes.
+        InputError: a wrong option, scene, or file of measured modes or of an ambient record.
     """
     from masonry_cd.app.case import structure_of
     from masonry_cd.app.doubts import structure_doubts
@@ -130,7 +144,8 @@ def modal(
     if folder is not None:
         free_folder(folder, OUTPUTS, force)
     asked, unusual = parse_table(ModalOptions, options, "modal"), []
-    measured, footings = read_measured(asked.reference) if asked.reference else [], None
+    ambient = ambient_of(asked.ambient, asked.sensors, asked.modes, (asked.lowest, asked.highest))
+    measured, footings = read_measured(asked.reference) if asked.reference else ambient.modes if ambient else [], None
     aside: list[str] = []
     if isinstance(source, Scene):
         source.refuse_tables("the modal check", "links", "events")
@@ -145,13 +160,16 @@ def modal(
     asked, stiffness = _of_masonry(asked, blocks, material, footings)
     methods = METHODS if asked.method == "both" else (asked.method,)
     results = [_result(blocks, method, asked, measured, stiffness, footings) for method in methods]
-    results = [results[0], *(ModelComparison(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
+    results = [results[0], *(ModelComparison(turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
     out = _summary(title, results, table)
+    if ambient:
+        out["ambient"] = ambient.facts()
+        out["lines"] = ambient.lines() + out["lines"]
     out["lines"] += aside
     out["warnings"] += unusual
-    written = [] if folder is None else _write(results, folder, blocks, out, asked)
+    written = [] if folder is None else _write(results, folder, blocks, out, asked, ambient)
     return Result(out, out["lines"], out["warnings"], written)
 
 
@@ -215,15 +233,6 @@ def _result(
     factor = fit_factor(modes, measured) if asked.fit else 1.0
     modes = modes.scaled(factor) if asked.fit else modes
     return ModelComparison(modes, tuple(pair(modes, measured)), factor)
-
-
-def _turned_like(modes: Modes, other: Modes) -> Modes:
-    """The modes, each with the sign of the mode of another model that it resembles most."""
-    signs = np.ones(modes.count)
-    for k, shape in enumerate(modes.shapes):
-        nearest = max(range(other.count), key=lambda i: mac(shape, other.shapes[i]))
-        signs[k] = 1.0 if np.sum(shape * other.shapes[nearest]) >= 0.0 else -1.0
-    return modes.turned(signs)
 
 
 def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], asked: ModalOptions) -> list[dict[str, Any]]:
@@ -325,7 +334,12 @@ def _warnings(result: ModelComparison) -> list[str]:
 
 
 def _write(
-    results: Sequence[ModelComparison], folder: Path, blocks: Sequence[Block], summary: dict[str, Any], asked: ModalOptions
+    results: Sequence[ModelComparison],
+    folder: Path,
+    blocks: Sequence[Block],
+    summary: dict[str, Any],
+    asked: ModalOptions,
+    ambient: Ambient | None,
 ) -> list[Path]:
     """Write modal.json, the tables and the pictures into a folder, which is made if need be.
 
@@ -339,7 +353,10 @@ def _write(
     write_json(folder / "modal.json", summary)
     write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
     for result in results:
-        write_rows(folder / f"shapes_{result.modes.method}.csv", _shape_rows(result.modes))
+        modes = result.modes
+        write_rows(folder / f"shapes_{modes.method}.csv", shape_rows(modes.frequencies, modes.names, modes.points, modes.shapes))
+    if ambient:
+        ambient.write(folder, summary["title"], bool(asked.pictures))
     if summary["mesh_convergence"]:
         write_rows(folder / "mesh_convergence.csv", summary["mesh_convergence"])
     if asked.pictures:
@@ -370,17 +387,6 @@ def _rows(result: ModelComparison) -> list[dict[str, Any]]:
                 "mac": p.mac if p and math.isfinite(p.mac) else "",
             }
         )
-    return rows
-
-
-def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
-    """Shapes at the centroids in the columns of a file of measured modes."""
-    rows = []
-    for k in range(modes.count):
-        for name, point, shape in zip(modes.names, modes.points, modes.shapes[k], strict=True):
-            row = {"mode": k + 1, "frequency_hz": float(modes.frequencies[k]), "point": name}
-            row |= {f"{axis}_m": float(point[i]) for i, axis in enumerate("xyz")}
-            rows.append(row | {f"u{axis}": float(shape[i]) for i, axis in enumerate("xyz")})
     return rows
 
 
