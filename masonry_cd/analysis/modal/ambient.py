@@ -91,7 +91,6 @@ def identify(record: AmbientRecord, modes: int, lowest: float | None = None, hig
     Raises:
         InputError: pyoma-2 is not installed, a band that the record cannot show, a record too short for it, or no stable mode.
     """
-    require("an ambient record", "pyoma2")
     at_most = OF_RATE / record.step
     highest = at_most if highest is None else highest
     lowest = OF_HIGHEST * highest if lowest is None else lowest
@@ -117,6 +116,7 @@ def identify(record: AmbientRecord, modes: int, lowest: float | None = None, hig
 
 def _poles(values: np.ndarray, rows: int, most: int, step: float) -> tuple[np.ndarray, ...]:
     """Frequency, damping, shape (K, C), order and stability of all poles of the models of orders 2 to ``most``."""
+    require("an ambient record", "pyoma2")
     with np.errstate(divide="ignore", invalid="ignore"), redirect_stderr(io.StringIO()):  # it has poles that are none, and shows progress
         from pyoma2.functions.gen import SC_apply
         from pyoma2.functions.ssi import SSI_fast, SSI_poles, build_hank

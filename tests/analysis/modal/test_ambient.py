@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,14 @@ def test_the_modes_of_a_chain_are_found() -> None:
 def test_noise_alone_has_no_mode() -> None:
     with pytest.raises(InputError, match=r"no mode from 0.5 to 10 Hz is stable"):
         identify(record(np.random.default_rng(1).standard_normal((60_000, MASSES))), 6, 0.5, 10.0)
+
+
+def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyoma2", None)
+    with pytest.raises(
+        InputError, match=re.escape('an ambient record needs pyOMA-2, which is not installed: pip install "masonry-cd[oma]"')
+    ):
+        identify(record(shaken(*chain(), 60_000)), 2, 0.5, 10.0)
 
 
 def test_a_tower_is_fitted_to_its_record(tmp_path: Path) -> None:
