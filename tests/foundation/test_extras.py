@@ -21,7 +21,14 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.own_packages import PACKAGES
 
 ENERGY = ["--set", "report.energy=true"]
-PACKAGE_OF = {"vtkmodules": "vtk", "PIL": "pillow", "skfem": "scikit-fem", "dask_jobqueue": "dask-jobqueue", "pyoma2": "pyoma-2"}
+PACKAGE_OF = {
+    "vtkmodules": "vtk",
+    "PIL": "pillow",
+    "skfem": "scikit-fem",
+    "sklearn": "scikit-learn",
+    "dask_jobqueue": "dask-jobqueue",
+    "pyoma2": "pyoma-2",
+}
 
 
 def absent(monkeypatch: pytest.MonkeyPatch, *modules: str) -> None:
