@@ -31,7 +31,7 @@ NAME = "parts.kept"
 LENGTH = 8  # bytes of the length of a record
 READ = {  # what a record may consist of, by its module
     "masonry_cd.analysis.limit.macro": {"ElementAnalysis"},
-    "masonry_cd.analysis.limit.found": {"Found"},
+    "masonry_cd.analysis.limit.found": {"FoundMechanism"},
     "masonry_cd.analysis.limit.mechanism": {"Mechanism"},
     "masonry_cd.analysis.limit.oscillator": {"Oscillator"},
     "masonry_cd.analysis.limit.outcome": {"SearchNumbers"},

@@ -64,7 +64,6 @@ class _Keys(BaseModel):
     density: Annotated[float, Unit("kg/m3"), Field(gt=0, allow_inf_nan=False)] | None = None
     fixed: bool = False
     group: str | None = Field(None, min_length=1)
-    stone: str = ""
 
 
 class BlockEntry(_Keys):
@@ -73,6 +72,7 @@ class BlockEntry(_Keys):
     vertices: Vertices
     faces: Loops
     parts: list[PartEntry] = []
+    stone: str = ""
 
 
 class Sphere(_Keys):
@@ -182,7 +182,7 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
     parsed = parse_table(BlockEntry, entry, where)
     vertices, faces = _shell(parsed, scale)
     parts = tuple(Polyhedron(*_shell(part, scale)) for part in parsed.parts)
-    return Block(vertices=vertices, faces=faces, parts=parts, **_common(parsed, index, density))
+    return Block(vertices=vertices, faces=faces, parts=parts, stone=parsed.stone, **_common(parsed, index, density))
 
 
 def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
@@ -192,7 +192,6 @@ def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
         "density": _density(parsed, density),
         "group": parsed.group or ("base" if parsed.fixed else "block"),
         "fixed": parsed.fixed,
-        "stone": parsed.stone,
     }
 
 

@@ -141,7 +141,7 @@ def test_the_reference_is_up_to_date():
 def test_what_writes_a_file_finds_it_declared():
     assert {*CURVE_OUTPUTS, *CROSSING_OUTPUTS, "limit.json", "mechanisms.csv", "limit.html"} <= {*files_of("limit")}
     assert {f"{what}_{method}.{form}" for what, form in (("shapes", "csv"), ("modes", "png")) for method in METHODS} <= {*files_of("modal")}
-    assert {assess.CSV, assess.FILE, assess.PICTURE, assess.PAGE} == {*files_of("assess")}
+    assert {assess.CSV, assess.FILE, assess.PICTURE, "assess_global.png", assess.PAGE} == {*files_of("assess")}
     assert {TABLE, "fragility.csv", "study.html"} <= {*FILES}
     assert "runs.csv" not in FILES  # which a study makes run by run, and no report takes away
     assert all(meaning for files in FOLDERS.values() for meaning in files.values())

@@ -222,7 +222,7 @@ def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_pla
     monkeypatch.setattr(os, "access", lambda path, mode, **more: mode != os.W_OK and allowed(path, mode, **more))  # root may write anywhere
     result = masonry_cd("run", scene, "-o", tmp_path / "out")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith(f"masonry-cd: error: {tmp_path}: nothing may be written there")
+    assert result.stderr.startswith(f"masonry-cd: error: {tmp_path}: this folder is not writable")
 
 
 @pytest.mark.slow(reason="a process of its own loads the kernels again")
@@ -379,7 +379,7 @@ def test_a_live_run_in_another_container_is_refused(tmp_path):
         holder = json.loads((tmp_path / "run.lock").read_text())
         for change in ({"host": "elsewhere", "pid": 1}, {"pid": 2**30}, {"host": "elsewhere", "started": "1 of-another-boot"}):
             (tmp_path / "run.lock").write_text(json.dumps(holder | change))
-            with pytest.raises(InputError, match="another run writes there"), locked(tmp_path):
+            with pytest.raises(InputError, match="another run is writing to this folder"), locked(tmp_path):
                 pass
 
 

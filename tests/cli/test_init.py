@@ -152,7 +152,7 @@ def test_without_a_display_or_a_browser_it_is_said_where_the_page_lies(run, open
     [
         ("result.h5", "", "masonry-cd report {} --html makes it"),
         ("study.json", "", "masonry-cd study STUDY -o {} --report makes it"),
-        ("other", "", "nor a result.h5"),
+        ("other", "", "and no result.h5"),
         ("other", "none", "no such folder"),
         ("other", "other", "is a file"),
     ],

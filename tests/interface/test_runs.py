@@ -166,7 +166,7 @@ def test_ctrl_c_ends_a_run_that_reads_and_goes_on(interrupted: pytest.MonkeyPatc
         ended = mc.open(tmp_path / "cut")
     assert ended.stopped == ""
     assert same_bits(ended, whole)
-    with pytest.raises(mc.InputError, match="nothing to resume from"):
+    with pytest.raises(mc.InputError, match="no checkpoint to resume from"):
         mc.resume(tmp_path / "cut")
 
 
@@ -249,7 +249,7 @@ def test_a_run_that_was_killed_reads(tmp_path: Path) -> None:
 def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
     with refused_at("result.h5"):
         mc.open(tmp_path)
-    with pytest.raises(mc.InputError, match="nothing to resume from"):
+    with pytest.raises(mc.InputError, match="no checkpoint to resume from"):
         mc.resume(tmp_path)
 
 

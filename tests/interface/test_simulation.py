@@ -153,7 +153,7 @@ def test_events_come_once_and_a_function_may_stop_the_run(tables: dict[str, Any]
     with pytest.raises(mc.InputError, match='"opened" is no event'):
         sim.on("opened", print)
     sim.on("step", lambda sim: sim.step())
-    with pytest.raises(mc.InputError, match="in the middle of one"):
+    with pytest.raises(mc.InputError, match="in the middle of a step"):
         sim.step()
 
 
@@ -185,7 +185,7 @@ def test_it_records_what_a_run_does_and_says_that_python_took_part(tables: dict[
     pushed.on("step", lambda sim: sim.stop("seen enough") if sim.time > 0.05 else None)
     found = pushed.record(tmp_path / "pushed", progress=False)
     assert found.stopped == "seen enough" and "take part" in found.summary["python"]
-    with pytest.raises(mc.InputError, match="nothing to resume"):
+    with pytest.raises(mc.InputError, match="no checkpoint to resume"):
         mc.resume(found, progress=False)
     with pytest.raises(mc.InputError, match="has made steps"):
         pushed.record(progress=False)

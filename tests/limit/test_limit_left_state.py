@@ -97,7 +97,7 @@ def test_a_wrong_folder_is_said_before_anything_is_analysed(left, monkeypatch):
         ({"unlimited": True, "least": None}, {}, "no finite load factor against load factor 0.3333 as built"),
         ({}, {"unlimited": True, "least": None}, "load factor 0.3333 against no finite load factor as built"),
         ({}, {"standing": 0.5}, "as built it did not stand under its dead loads; load factor 0.3333 now"),
-        ({"standing": 0.25}, {}, "as built it bore its dead loads, and now 25 % of them"),
+        ({"standing": 0.25}, {}, "as built it bore its dead loads; now it bears 25 % of them"),
         ({}, {"least": None}, "both associated: a search did not converge"),
     ],
 )

@@ -84,13 +84,13 @@ def test_a_set_up_that_hangs_is_a_row_of_the_table(scheduler: str, tmp_path: Pat
     before = rows_without_seconds(tmp_path / "out")
     quick = {'"loads': f'"loads[0].amplitude" = [0.3, 0.4, {studied.HANGING}]'}
     write_study(tmp_path, GRID + "[run]\ntimeout = 1.0\ngrace = 1.0\n", **quick)
-    assert "4 of 6 runs done, 0 failed, 2 ran out of time" in made()
+    assert "4 of 6 runs done, 0 failed, 2 timed out" in made()
     table = rows_without_seconds(tmp_path / "out")
     assert table[:5] == before
     assert [f",timeout,{REASON}," in line for line in table] == [False] * 5 + [True] * 2
     rows = [json.loads(file.read_text()) for file in (tmp_path / "out" / "rows").glob("*.json")]
     assert sorted(row["status"] for row in rows) == ["done"] * 4 + ["timeout"] * 2
-    assert "4 of 6 runs done, 0 failed, 2 ran out of time" in made("--retry")  # they are made again, and hang again
+    assert "4 of 6 runs done, 0 failed, 2 timed out" in made("--retry")  # they are made again, and hang again
     assert rows_without_seconds(tmp_path / "out") == table
 
 

@@ -41,7 +41,7 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_study(folder)
     result = invoke(folder / "study.toml", "--scheduler", scheduler)
     assert result.exit_code == 0, result.output
-    assert "6 of 6 runs done, 0 failed, 0 ran out of time" in result.stdout, (folder / "out" / "runs.csv").read_text()
+    assert "6 of 6 runs done, 0 failed, 0 timed out" in result.stdout, (folder / "out" / "runs.csv").read_text()
     return folder / "out"
 
 
@@ -234,7 +234,7 @@ def test_ctrl_c_ends_a_study_and_says_how_to_go_on(long: Path) -> None:
 def test_a_run_out_of_time_is_a_row_and_made_again_when_asked(scheduler: str, tmp_path: Path) -> None:
     path = write_study(tmp_path, GRID + "[run]\ntimeout = 1e-4\n")
     result = invoke(path, "--scheduler", scheduler)
-    assert (result.exit_code, "0 of 6 runs done, 0 failed, 6 ran out of time" in result.stdout) == (0, True)
+    assert (result.exit_code, "0 of 6 runs done, 0 failed, 6 timed out" in result.stdout) == (0, True)
     assert "warning: 6 of 6 runs without data: out of time, 0.0001 s" in result.stderr
     assert {(row["status"], row["reason"]) for row in read_rows(tmp_path / "out")} == {("timeout", "out of time, 0.0001 s")}
     write_study(tmp_path)

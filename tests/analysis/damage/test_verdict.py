@@ -75,7 +75,7 @@ def solver(**changes: Any) -> dict[str, Any]:
             "look",
             "the energy balance closes, and taking overlaps away put in 2.6 % of the largest work",
         ),
-        (solver(tolerance=5e-3) | {"energy": {"balance_error": 1e-10, "lift_share": 0.18}}, "doubtful", "run.tolerance = 0.001 will do"),
+        (solver(tolerance=5e-3) | {"energy": {"balance_error": 1e-10, "lift_share": 0.18}}, "doubtful", "set run.tolerance = 0.001"),
         ({"energy": {"balance_error": 1e-10, "lift_share": 0.25}, "displacement_max": 2e-6}, "good", ""),  # of a structure all but at rest
         ({"energy": {"balance_error": 1e-10, "lift_share": 0.25}, "displacement_max": 0.02}, "doubtful", "put in 25 %"),
         ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
@@ -97,13 +97,13 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"shortening_where": "a and b at 1 s", "shortening_max": 1e-3}, "look", "joints shortened by up to 1 mm"),
         ({"crushing_forgotten": 1}, "look", "1 joint"),
         ({"time_step": {"steps_wanted_shorter": 9, "dt_min": 1e-3}}, "look", "9 of 200 steps should have been shorter"),
-        (solver(steps_missed=90, error_max=3e-3, error_reached=4.2e-4, tolerance_sound=1e-3), "look", "run.tolerance = 0.0005 will do"),
-        (solver(steps_missed=90, error_max=3e-3, error_reached=9.7e-4, tolerance_sound=1e-3), "look", "run.tolerance = 0.001 will do"),
+        (solver(steps_missed=90, error_max=3e-3, error_reached=4.2e-4, tolerance_sound=1e-3), "look", "set run.tolerance = 0.0005"),
+        (solver(steps_missed=90, error_max=3e-3, error_reached=9.7e-4, tolerance_sound=1e-3), "look", "set run.tolerance = 0.001"),
         (solver(steps_missed=90, error_max=3e-3, error_reached=2e-3, tolerance_sound=1e-3), "doubtful", "90 of 200 steps missed"),
         (false(1e-5, 1e-2), "good", ""),
         (false(5e-4, 1e-2), "look", "500 um of slip"),
         (false(5e-3, 1e-2), "doubtful", "5 mm of slip"),
-        (tight(5e-3, 1e-2, 1e-3), "doubtful", "run.tolerance = 1e-05 will do"),
+        (tight(5e-3, 1e-2, 1e-3), "doubtful", "set run.tolerance = 1e-05"),
         (false(1e-5, 1e-5), "look", "10 um of slip"),  # too little to change a grade
         (false(1e-5, 1e-5, where=""), "good", ""),
     ],
@@ -146,7 +146,7 @@ def test_a_run_that_cannot_be_relied_on_says_so_instead_of_a_grade(tmp_path):
     first, *rest = part_lines(in_short(damage.parts))
     assert first.startswith(f"not graded: {CUT}")
     page = (out / "report.html").read_text(encoding="utf-8").partition("<body>")[2].partition('<script type="application/json"')[0]
-    assert page.index("Do not rely on this run before it is mended") < page.index('<dl class="block">') < page.index("<main>")
+    assert page.index("Do not rely on this run until the cause is removed") < page.index('<dl class="block">') < page.index("<main>")
     assert page.count('<span class="grade not-graded">not graded</span>') == len(damage.parts) + 1
     for said in ("".join(rest), page.partition('id="grades-title"')[0]):
         assert not any(grade in said for grade in ("D1", "D2", "D3"))
