@@ -26,7 +26,7 @@ class Outcome:
     stdout: str
     stderr: str
     seconds: float  # of processor time
-    memory: float  # largest resident size [B]
+    memory: float  # largest resident size, beyond that of the process that it was forked from [B]
     interrupted: bool  # by the worker, since it had made its steps
     left: tuple[str, ...]  # files and folders that were not there before, the output apart
     output: bool  # whether the output is there

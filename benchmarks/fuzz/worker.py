@@ -32,15 +32,18 @@ PLAN = "plan"  # begins the names of files that are written of a refused plan, i
 
 def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
     """Run a command line in a folder that holds its files and nothing else."""
+    import psutil
+
     before = {str(path.relative_to(folder)) for path in folder.rglob("*")}
     aside = folder.with_name(folder.name + ".aside")  # what the case says, and its folder for temporary files
     (aside / "tmp").mkdir(parents=True)
+    shared = psutil.Process().memory_info().rss  # with which the child begins
     child = os.fork()
     if child == 0:
         _in_child(folder, command, aside)
     status, usage = _waited(child)
     code = None if status is None else os.waitstatus_to_exitcode(status)
-    cost = (usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024.0)
+    cost = (usage.ru_utime + usage.ru_stime, max(0.0, usage.ru_maxrss * 1024.0 - shared))
     found = outcome(folder, aside, before, output, code, cost)
     shutil.rmtree(aside)
     return found
