@@ -138,6 +138,7 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert shown(notebook) == []
     assert all(cell.execution_count is None for cell in notebook.cells if cell.cell_type == "code")
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.setenv("PYTHONWARNINGS", "ignore:IProgress not found")  # of tqdm, which pyvista's pooch finds installed, about ipywidgets
     done = NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert sum("image/png" in output.get("data", {}) for output in shown(done)) >= PICTURES[path.stem]
     said = "".join(output.text for output in shown(done) if output.output_type == "stream" and output.name == "stderr")

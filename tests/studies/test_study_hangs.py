@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 pytestmark = pytest.mark.slow(reason="runs hang until their time is over, and their workers are started again")
-REASON = "out of time, 1 s, in a step or a set-up that did not end"
+REASON = "timed out after 1 s, in a step or a set-up that did not end"
 
 
 @pytest.fixture(scope="module")

@@ -235,8 +235,8 @@ def test_a_run_out_of_time_is_a_row_and_made_again_when_asked(scheduler: str, tm
     path = write_study(tmp_path, GRID + "[run]\ntimeout = 1e-4\n")
     result = invoke(path, "--scheduler", scheduler)
     assert (result.exit_code, "0 of 6 runs done, 0 failed, 6 timed out" in result.stdout) == (0, True)
-    assert "warning: 6 of 6 runs without data: out of time, 0.0001 s" in result.stderr
-    assert {(row["status"], row["reason"]) for row in read_rows(tmp_path / "out")} == {("timeout", "out of time, 0.0001 s")}
+    assert "warning: 6 of 6 runs without data: timed out after 0.0001 s" in result.stderr
+    assert {(row["status"], row["reason"]) for row in read_rows(tmp_path / "out")} == {("timeout", "timed out after 0.0001 s")}
     write_study(tmp_path)
     assert "0 of 6 runs done" in invoke(path, "--scheduler", scheduler).stdout
     assert "6 of 6 runs done" in invoke(path, "--scheduler", scheduler, "--retry").stdout
