@@ -105,7 +105,7 @@ def test_a_structure_in_its_place_takes_its_floors_along():
         ({"inside": [0.0, 9.0]}, "structure.floors[0].inside: no room about x = 0 m, y = 9 m at this height: it lies outside the walls"),
         ({"walls": ["south"]}, 'structure.floors[0].inside: no room about x = 0 m, y = -2.25 m at this height: block "south.6.'),
         ({"name": "south"}, 'structure.floors[0].name: "south" is the name of other blocks'),
-        ({"anchors": {"spacing": 1e-3}}, "structure.floors[0].anchors.spacing: makes 4980 anchors on a wall, at most 500 are taken"),
+        ({"anchors": {"spacing": 1e-3}}, "structure.floors[0].anchors.spacing: makes 4980 anchors on a wall, at most 500 are allowed"),
         ({"anchors": {"length": 4.5}}, "structure.floors[0].anchors.length: must be at most that of the floor there, got 4.5"),
         ({"anchors": {"space": 1.0}}, "structure.floors[0].anchors.space: unknown key"),
         ({"mass": 0.0}, "structure.floors[0].mass: input should be greater than 0, got 0.0"),
