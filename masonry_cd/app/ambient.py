@@ -73,7 +73,7 @@ class Ambient:
 
 
 def ambient_of(path: Path | None, sensors: Path | None, modes: int, band: tuple[float | None, float | None]) -> Ambient | None:
-    """Read an ambient record, where there is one, and identify at most so many modes in a band of frequencies [Hz].
+    """Read an ambient record, where there is one, and identify its lowest ``modes`` in a band of frequencies [Hz].
 
     Raises:
         InputError: a file that is wrong, or a record that shows no mode there.

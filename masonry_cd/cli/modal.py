@@ -62,18 +62,20 @@ def modal(
     from masonry_cd.app.scene import read_scene
 
     asked = read_scene(scene, set_ or ())
+    given = {
+        "young": by_group(young, "young") if young else None, "mesh_size": mesh_size, "reference": reference, "ambient": ambient,
+        "sensors": sensors, "lowest": lowest, "highest": highest, "fit": fit or None,
+        "restraint": by_group(restraint, "restraint") if restraint else None,
+    }  # fmt: skip
+    given = {key: value for key, value in given.items() if value is not None}
     if nscd or sweep:
         from masonry_cd.studies.vibration import vibration
 
-        return vibration(asked, {"modes": modes, "sweep": sweep, "velocity": velocity}, output, force)
+        return vibration(asked, {"modes": modes, "sweep": sweep, "velocity": velocity, **given}, output, force)
     from masonry_cd.app.commands.modal import modal as command
 
-    options = {
-        "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
-        "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
-        "ambient": ambient, "sensors": sensors, "lowest": lowest, "highest": highest, "fit": fit, "pictures": pictures,
-    }  # fmt: skip
-    return command(asked, options, output, force)
+    given |= {} if velocity is None else {"velocity": velocity}  # refused: only a sweep has one
+    return command(asked, {"poisson": poisson, "method": method, "modes": modes, "pictures": pictures, **given}, output, force)
 
 
 def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | str]:

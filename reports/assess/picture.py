@@ -20,7 +20,7 @@ PICTURE, INDICES = "assess.png", "assess_global.png"
 FULL, HOLLOW, BAND, LINE = "#d55e00", "#ffffff", "#d3d9df", "#7a838c"
 HEIGHT = 0.46  # of a bar, in rows
 ROW, ABOVE, PANEL = 0.62, 1.1, 5.0  # [inches]: height of a row, of what else a panel needs, and its width
-BESIDE = 3  # panels side by side at most
+COLUMNS = 3  # panels side by side at most
 LETTER = 0.0165  # width of a letter of a level's name, as a share of a panel's
 ROOM = 0.14  # next to the bars, as a share of their range
 
@@ -28,7 +28,7 @@ ROOM = 0.14  # next to the bars, as a share of their range
 def tornado(found: Assessment, path: Path) -> None:
     """Draw the tornado."""
     answers, known = found.answers, [one for one in found.ranked if found.tested(one)]
-    rows = -(-len(answers) // BESIDE)
+    rows = -(-len(answers) // COLUMNS)
     across = -(-len(answers) // rows)
     size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * (len(known) + 1)))
     count = sum(one.row.done for one in found.ensemble)
@@ -46,7 +46,7 @@ def shares(found: Assessment, path: Path) -> bool:
     if not there:
         return False
     order = np.argsort(-np.mean([one.total for one in there.values()], axis=0))
-    rows = -(-len(there) // BESIDE)
+    rows = -(-len(there) // COLUMNS)
     across = -(-len(there) // rows)
     size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * len(order)))
     facts = f"share of the variance; full: by itself; hollow: with others; whiskers: 95 %; {len(found.sampled)} runs"

@@ -52,7 +52,7 @@ class SheetLayout:
 
     size: tuple[int, int]
     model: tuple[int, int, int, int]
-    beside: bool
+    key_on_right: bool
 
     @property
     def pixels(self) -> tuple[int, int]:
@@ -62,9 +62,9 @@ class SheetLayout:
     def keys(self, wide: Sequence[int]) -> list[Box]:
         """Boxes (left, bottom, width, height) of the panels of a key, which take some places side by side, at most two above another."""
         left, bottom, width, height = self.model
-        places = [min(n, 2) if self.beside else n for n in wide]
+        places = [min(n, 2) if self.key_on_right else n for n in wide]
         first = np.concatenate([[0], np.cumsum(places)])
-        if self.beside:
+        if self.key_on_right:
             each = height / first[-1]
             top = bottom + height
             return [(left + width + MARGIN, top - each * b, COLUMN - MARGIN, each * (b - a)) for a, b in pairwise(first.tolist())]
@@ -77,9 +77,9 @@ def layout(aspect: float) -> SheetLayout:
     if aspect >= 1.15:
         width = WIDTH - 2 * MARGIN
         height = int(np.clip(width / aspect, 640, 900))
-        return SheetLayout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
+        return SheetLayout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), key_on_right=False)
     width, height = WIDTH - 2 * MARGIN - COLUMN, 1180
-    return SheetLayout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
+    return SheetLayout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), key_on_right=True)
 
 
 def layout_of(scene: PictureScene) -> SheetLayout:
@@ -238,7 +238,7 @@ class Sheet:
             triad(axes, view, (width - 0.5 * TRIAD, top - 58))
             top -= 80
         per_column = max(1, int((top - 4) // PITCH))
-        rows, most = list(panel.signs), per_column * (1 if self.plan.beside else panel.wide)
+        rows, most = list(panel.signs), per_column * (1 if self.plan.key_on_right else panel.wide)
         if len(rows) > most:
             rows = [*rows[: most - 1], Sign("", f"and {len(rows) - most + 1} more")]
         for k, sign in enumerate(rows):
@@ -277,7 +277,7 @@ def label_ties(axes: Any, scene: PictureScene) -> None:
     for i in [i for i in np.argsort(-ties.tension, kind="stable")[:LABELLED].tolist() if ties.texts[i]]:
         flat, colour = scene.view.plane(ties.ends[i]), palette.PULLING if ties.tension[i] > 0.0 else FAINT
         along = np.abs(np.ptp(flat, axis=0))
-        beside = (0, 12) if along[0] >= along[1] else (30, 0)
+        shift = (0, 12) if along[0] >= along[1] else (30, 0)
         look = {
             "fontsize": 12,
             "weight": "bold",
@@ -286,7 +286,7 @@ def label_ties(axes: Any, scene: PictureScene) -> None:
             "va": "center",
             "path_effects": halo(),
         }
-        axes.annotate(ties.texts[i], flat.mean(axis=0), beside, textcoords="offset points", annotation_clip=True, **look)
+        axes.annotate(ties.texts[i], flat.mean(axis=0), shift, textcoords="offset points", annotation_clip=True, **look)
 
 
 def halo() -> list[Any]:

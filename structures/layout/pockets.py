@@ -109,7 +109,7 @@ class _Stones:
             self.whole[k] = _own_parts(self.blocks[k])
         return self.cut[k] if k in self.cut else self.whole[k]
 
-    def beside(self, k: int, part: ConvexCell) -> Iterator[tuple[int, ConvexCell]]:
+    def neighbours(self, k: int, part: ConvexCell) -> Iterator[tuple[int, ConvexCell]]:
         """Numbers and parts of other blocks on which a part lies."""
         near = (self.low < part.corners.max(axis=0) + SAME).all(axis=1) & (self.high > part.corners.min(axis=0) - SAME).all(axis=1)
         for j in np.flatnonzero(near).tolist():
@@ -139,9 +139,9 @@ def _given(stones: _Stones, k: int, loose: bool, part: ConvexCell, thin: float) 
         return False
     stones.cut[k].remove(part)
     kept = list[ConvexCell]()
-    pieces = _at_joints(part, [one for _, one in stones.beside(k, part)])
+    pieces = _at_joints(part, [one for _, one in stones.neighbours(k, part)])
     for piece in pieces:
-        gifts = [_gift(j, one, piece, thin) for j, one in stones.beside(k, piece)]
+        gifts = [_gift(j, one, piece, thin) for j, one in stones.neighbours(k, piece)]
         best = max(gifts, key=lambda gift: (gift.sound, 0.0 if gift.sound else gift.width, gift.contact), default=None)
         if best is not None and (best.sound or loose or best.width > THICKER * piece.width):
             stones.take(best)
@@ -152,15 +152,15 @@ def _given(stones: _Stones, k: int, loose: bool, part: ConvexCell, thin: float) 
     return given
 
 
-def _at_joints(part: ConvexCell, beside: Sequence[ConvexCell]) -> list[ConvexCell]:
+def _at_joints(part: ConvexCell, neighbours: Sequence[ConvexCell]) -> list[ConvexCell]:
     """A part cut by the planes of those that it lies on, but for the ones between them."""
     pieces = [part]
-    for other in beside:
-        pieces = cut(pieces, *_beside(other, part))
+    for other in neighbours:
+        pieces = cut(pieces, *_free_planes(other, part))
     return pieces
 
 
-def _beside(part: ConvexCell, other: ConvexCell) -> Planes:
+def _free_planes(part: ConvexCell, other: ConvexCell) -> Planes:
     """The planes of a part but for those in which it lies on another one."""
     between = {i for i, _ in part.faces_on(other)}
     kept = [i for i in range(len(part.offsets)) if i not in between]
@@ -169,7 +169,7 @@ def _beside(part: ConvexCell, other: ConvexCell) -> Planes:
 
 def _gift(j: int, one: ConvexCell, piece: ConvexCell, thin: float) -> _Gift:
     """A piece joined to a part of stone j that it lies on."""
-    made = joined([*cut([one], *_beside(piece, one)), piece])
+    made = joined([*cut([one], *_free_planes(piece, one)), piece])
     own = next(part for part in made if part.holds(piece))
     sound = min(part.width for part in made) > min(thin, 0.999 * one.width)
     return _Gift(j, one, made, own.width, sound, one.contact(piece))

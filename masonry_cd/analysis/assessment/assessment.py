@@ -28,7 +28,7 @@ from masonry_cd.foundation.files import read_text
 
 FILE = "assess.json"
 BASE, ENSEMBLE, LEVEL, PAIR, GLOBAL = "base", "ensemble", "level", "pair", "global"
-BESIDE = ("kind", "values", "run", "member", "at")  # keys of a run in the file that are no part of its row
+NOT_IN_ROW = ("kind", "values", "run", "member", "at")  # keys of a run in the file that are no part of its row
 UNSETTLED = "weight at once"  # remark on a run whose joints would not settle under their weight before it
 LEAST = 3  # members of an ensemble that is one
 CONFIDENCE = 0.95  # of the test against chance
@@ -274,7 +274,7 @@ def read_assessment(folder: Path) -> Assessment:
 def _member(facts: Mapping[str, Any]) -> Member:
     """A run as the file has it."""
     more = (facts.get("run", ""), facts.get("member", 0), tuple(facts.get("at", ())))
-    return Member(facts["kind"], facts["values"], row_of(dict(facts), BESIDE), *more)
+    return Member(facts["kind"], facts["values"], row_of(dict(facts), NOT_IN_ROW), *more)
 
 
 @lru_cache

@@ -84,7 +84,7 @@ def identify(record: AmbientRecord, modes: int, lowest: float | None = None, hig
 
     Args:
         record: of all sensors at once.
-        modes: at most so many.
+        modes: largest number of them.
         lowest: frequency looked at [Hz]; ``OF_HIGHEST`` of the highest when not given.
         highest: frequency looked at [Hz]; ``OF_RATE`` of the rate when not given.
 
