@@ -21,6 +21,7 @@ POINTS = 81  # of the grid, each way
 SHARES = (0.5, 0.9)  # of the posterior, within the lines
 LEAST = 1e-3  # of the largest density of samples, below which nothing is known
 LEAST_WIDTH = 0.01  # of a kernel, of the range of the samples
+AT_ONCE = 200  # samples whose kernels are held at a time, 10 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +53,7 @@ def motion_map(names: tuple[str, str], values: np.ndarray, posterior: np.ndarray
         prior: likewise.
     """
     across, up = (np.linspace(row.min(), row.max(), POINTS) for row in values)
-    kernels = _kernels(across, up, values, posterior)
-    density, before = (np.sum(kernels * w, axis=2) for w in (posterior, prior))
+    density, before = _densities(across, up, values, np.array([posterior, prior]))
     with np.errstate(divide="ignore", invalid="ignore"):
         likelihood = np.where(before > LEAST * before.max(), density / before, np.nan)
     ordered = np.sort(density, axis=None)[::-1]
@@ -61,12 +61,16 @@ def motion_map(names: tuple[str, str], values: np.ndarray, posterior: np.ndarray
     return MotionMap(names, across, up, likelihood / np.nanmax(likelihood), density, levels)
 
 
-def _kernels(across: np.ndarray, up: np.ndarray, values: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Normal kernels about values (2, N) of a posterior with weights, on a grid of (G,) by (G,) points, (G, G, N), up first."""
+def _densities(across: np.ndarray, up: np.ndarray, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Sums (K, G, G), up first, of normal kernels about values (2, N) with K weights each (K, N), the first of which make their width."""
+    w = weights[0]
     away = values - np.sum(w * values, axis=1, keepdims=True)
     least = np.diag((LEAST_WIDTH * np.ptp(values, axis=1)) ** 2)
     factor = np.linalg.cholesky((w * away) @ away.T + least) * effective(w) ** (-1.0 / 6.0)
-    points = np.stack(np.meshgrid(across, up)).reshape(2, -1)
-    x, y = np.linalg.solve(factor, points), np.linalg.solve(factor, values)
-    squared = (x[0][:, None] - y[0]) ** 2 + (x[1][:, None] - y[1]) ** 2
-    return np.asarray(np.exp(-0.5 * squared).reshape(len(up), len(across), -1))
+    x, y = (np.linalg.solve(factor, of) for of in (np.stack(np.meshgrid(across, up)).reshape(2, -1), values))
+    found = np.zeros((len(weights), x.shape[1]))
+    for begin in range(0, len(w), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        kernels = np.exp(-0.5 * ((x[0][:, None] - y[0, some]) ** 2 + (x[1][:, None] - y[1, some]) ** 2))
+        found += np.stack([np.sum(kernels * one[some], axis=1) for one in weights])
+    return found.reshape(-1, len(up), len(across))

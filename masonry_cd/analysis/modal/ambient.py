@@ -6,7 +6,8 @@ yields A and C of order n (Peeters & De Roeck, Mech. Syst. Signal Process. 13, 1
 
     lambda = ln(mu) / dt,    f = |lambda| / 2 pi,    xi = -Re(lambda) / |lambda|,    shape C psi.
 
-Block rows  half a period of the lowest frequency, rate / (2 f_lowest) (Reynders, Arch. Comput. Methods Eng. 19, 2012), or as orders need.
+Block rows  half a period of the lowest frequency, rate / (2 f_lowest), or as orders need (methods are reviewed by Reynders, Arch. Comput.
+            Methods Eng. 19, 2012; ours is a rule of thumb, tried on made records and on those in docs/howto/calibrate.md).
 Orders      2, 4, ... up to ORDERS_A_MODE for each mode, LEAST_ORDER at least: noise has modes, too, and they change with the order.
 Stable      a pole whose frequency, damping and shape at the order before differ by less than STABLE.
 Clusters    stable poles by single linkage over |f_i - f_j| / f_i + 1 - MAC (Magalhaes et al., Mech. Syst. Signal Process. 23, 2009).

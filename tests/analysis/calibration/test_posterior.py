@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.stats import chi2, ks_2samp, norm
@@ -102,7 +104,11 @@ def test_a_map_of_the_motion_is_the_likelihood_over_two_unknowns_whatever_the_pr
     x, y = 5.0 + z[:, 0], 1.0 + 0.2 * z[:, 1]
     off = ((x * y**2 - 6.0) / 0.5) ** 2
     w = weights(-0.5 * off)
+    tracemalloc.start()
     found = motion_map(("T", "a"), np.array([y, x]), w, np.full(4000, 1 / 4000))
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 8 * 81 * 81 * 4000 / 4  # bytes; a quarter of a kernel for each sample
     exact = np.exp(-0.5 * ((found.up[:, None] * found.across[None, :] ** 2 - 6.0) / 0.5) ** 2)
     dense = (np.abs(found.across - 1.0) < 0.3)[None, :] & (np.abs(found.up - 5.0) < 1.5)[:, None]
     assert np.corrcoef(found.likelihood[dense], exact[dense])[0, 1] > 0.95
