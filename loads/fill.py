@@ -76,6 +76,23 @@ def part(fill: Fill, grid: RunGrid, shaken: bool) -> LoadAction:
     return LoadAction(forces=(*pressing, *bars), lines=tuple(lines), summary=summary | falling)
 
 
+def beyond(fill: Fill, velocity: np.ndarray, grid: RunGrid) -> str:
+    """Return a warning where the fill, shaken as its supports are, would press more than the run has it press; else nothing.
+
+    Args:
+        velocity: (N + 1, S, 3) of the supports [m/s].
+    """
+    assembly, k = grid.blocks(fill.where), fill.coefficients[fill.pressure]
+    level = np.diff(velocity[..., :2], axis=0) / grid.dt
+    size = float(np.sqrt((level**2).sum(axis=-1)).max(initial=0.0)) / math.hypot(*grid.gravity)
+    if fill.shaken(size)[0] <= k or not _thrusts(fill, assembly, math.hypot(*grid.gravity)):
+        return ""
+    return (
+        f"{fill.where}: shaken by up to {size:.3g} g the fill presses walls and backs with K_AE = {fill.shaken(size)[0]:.3g} (Mononobe and "
+        f"Okabe), but the run applies at most K = {k:.3g}; check the walls in limit analysis with limit.push, which has K_AE"
+    )
+
+
 class AtCollapse(NamedTuple):
     """The action of a fill as a mechanism begins to move."""
 

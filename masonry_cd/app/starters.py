@@ -17,6 +17,7 @@ from loads import KINDS as LOADS
 from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.foundation.errors import InputError, one_line
+from masonry_cd.foundation.extras import has
 from masonry_cd.foundation.table_schema import Schema, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -27,7 +28,7 @@ COLUMN, WIDTH = 36, 138  # where texts begin and end
 MATERIAL = {"density": 2200.0, "friction": 0.6}
 LOAD = "sinusoidal"
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
-REPORT = {"crack_map": True, "html": True}
+DRAWN = ("crack_map", "html")  # keys of report that a first scene sets, where pictures are installed
 
 
 def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
@@ -77,7 +78,7 @@ def starter(kind: str, path: Path) -> str:
         *_table("material", table_schema(Material), material),
         *_table("loads", load_schema(LOAD), {"kind": LOAD, **LOADS[LOAD].starter}, row=True),
         *_table("run", table_schema(Run), RUN),
-        *_table("report", table_schema(Report), REPORT),
+        *_table("report", table_schema(Report), dict.fromkeys(DRAWN, has("pictures"))),
         *_table("limit", limit_schema(), {}),
     ]
     return "\n".join(lines) + "\n"

@@ -42,6 +42,11 @@ SOLD_AS = {
 }  # packages of another name
 
 
+def has(extra: str) -> bool:
+    """Return True if all libraries of an extra are installed."""
+    return all(find_spec(module) is not None for module, brings in EXTRA_OF.items() if brings == extra)
+
+
 def require(what: str, *modules: str, without: str = "") -> None:
     """Check that libraries are installed before anything takes its time.
 

@@ -113,6 +113,7 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
     own = AssumedRow(SCENE, f"as computed, {_in_words(structure)}", factor, why, position=place)
     changed = [*_of_joints(structure), *_of_fill(structure, whole.loads.kind != "live")]
     rows = [_row(whole, crossing if in_plane else None, *one) for one in changed]
+    rows = [replace(row, words=f"{row.words}{_of_walls(row, own.factor)}") if row.assumed == "walls" else row for row in rows]
     lower = [one for one, row in zip(changed, rows, strict=True) if row.counts and _is_lower(row, own.factor)]
     if len(lower) > 1:
         rows.append(_row(whole, crossing if in_plane else None, *_together(structure, lower)))
@@ -145,6 +146,13 @@ def _together(structure: LimitStructure, changes: Sequence[tuple[AssumedRow, Lim
 
 def _is_lower(row: AssumedRow, own: float | None) -> bool:
     return row.factor is not None and (own is None or row.factor < (1.0 - LOWER) * own)
+
+
+def _of_walls(bare: AssumedRow, own: float | None) -> str:
+    """What walls do to the factor: they stiffen the arches until they slide or lean out, after which the arches bear alone."""
+    if _is_lower(bare, own):
+        return ", which stiffen the arches"
+    return "" if own is None or bare.factor is None or bare.factor < (1.0 + LOWER) * own else ", which give way before the arches"
 
 
 def _merged(one: LimitStructure, built: LimitStructure, other: LimitStructure) -> LimitStructure:

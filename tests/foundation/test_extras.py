@@ -79,6 +79,14 @@ def test_a_run_without_pictures_needs_none_of_them(tmp_path: Path, monkeypatch: 
     assert (tmp_path / "out" / "damage.json").exists()
 
 
+def test_a_first_scene_draws_nothing_where_nothing_can_be_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    absent(monkeypatch, *extras.EXTRA_OF)
+    scene = tmp_path / "arch.toml"
+    assert masonry_cd("init", "arch", "-o", scene).exit_code == 0
+    ended = masonry_cd("run", scene, "-o", tmp_path / "out", "-q", "--set", "run.duration=0.01")
+    assert ended.exit_code == 0 and (tmp_path / "out" / "summary.json").exists()
+
+
 def test_a_module_that_no_extra_brings_is_a_fault() -> None:
     assert extras.missing(ModuleNotFoundError("no", name="masonry_cd.gone")) is None
     assert "masonry-cd[cad]" in str(extras.missing(ModuleNotFoundError("no", name="trimesh.util")))

@@ -190,6 +190,17 @@ def test_walls_are_left_out_as_by_a_scene_without_them() -> None:
     assert bare is not None and row.factor == pytest.approx(bare.analysis.governing.factor, rel=1e-9)
 
 
+@pytest.mark.parametrize(("pressure", "end"), [("none", "which stiffen the arches"), ("active", "which give way before the arches")])
+def test_walls_stiffen_the_arches_until_they_give_way(pressure: str, end: str) -> None:
+    """Walls on which nothing presses add weight and friction; those that the fill pushes out bear less than the arches alone."""
+    arch = PRESTWOOD | {"voussoirs": 7, "span": 3.0, "rise": 1.0, "thickness": 0.4, "at": 0.8}
+    walls = "[structure.walls]\nthickness = 0.45\ncourse_height = 1.2\nunit_length = 2.0\n"
+    found = analysed(text_of(arch, f', pressure = "{pressure}"', more=walls), "material.friction=0.7").assumed
+    own, (row,) = found.rows[0].factor, [row for row in found.rows if row.assumed == "walls"]
+    assert own is not None and row.factor is not None and row.words.endswith(end)
+    assert (row.factor < 0.97 * own) if pressure == "none" else (0.0 < own < 0.97 * row.factor)
+
+
 def test_a_check_that_is_met_with_what_the_scene_does_not_state_is_not_decided() -> None:
     """A demand between what the bridge bears as computed and what it bears without what is assumed."""
     text = text_of(DEEP_ARCH | {"voussoirs": 9}).partition("[[loads]]")[0] + PUSH

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bridge_scenes import GRAVITY, SPAN, bridge, grid
+from scipy.optimize import brentq
 
 from loads import build, fill
 from loads.bars import Forces, Tie
@@ -316,3 +317,15 @@ def crossed(polygon: np.ndarray, height: float) -> tuple[float, float]:
         if (z0 - height) * (z1 - height) < 0.0:
             found.append(x0 + (height - z0) / (z1 - z0) * (x1 - x0))
     return (min(found), max(found)) if found else (0.0, 0.0)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_run_warns_where_shaken_fill_presses_more_than_it_has_it_press(share: float, tmp_path: Path) -> None:
+    """About the acceleration at which K_AE is K_0, 1 / 2 at 30 degrees."""
+    made, assembly = bridge(width=3.0, abutments=SOLID, fill={"friction_angle": 30.0})
+    found = made.fills[0]
+    equal = brentq(lambda k: found.shaken(k)[0] - 0.5, 0.0, found.slides_at)
+    peak, frequency = share * equal * float(np.sqrt(np.sum(np.square(GRAVITY)))), 1.0
+    load = {"kind": "sinusoidal", "direction": "x", "amplitude": peak / (2.0 * math.pi * frequency), "frequency": frequency, "cycles": 1}
+    loading = build([load], 1e-3, 1000, list(GRAVITY), tmp_path, assembly, fills=[found])
+    assert any("K_AE" in line for line in loading.warnings) == (share > 1.0)
