@@ -34,7 +34,8 @@ def draw_whole(whole: WholeAnalysis, title: str, folder: Path, view: str = "auto
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    what, words = LimitSubject(whole.collapse.mechanism, whole.assembly.blocks, whole.joints, whole.ties), _words(whole)
+    fills, words = whole.structure.made.fills, _words(whole)
+    what = LimitSubject(whole.collapse.mechanism, whole.assembly.blocks, whole.joints, whole.ties, fills)
     Sheet.drawn(mechanism_scene(what, f"{title}: mechanism", words, view)).save(folder / "mechanism.png")
     if not whole.analysis.stands:
         return [folder / "mechanism.png"]

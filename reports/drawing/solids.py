@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -112,8 +112,12 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, face
     ]
 
 
-def fill_layer(fill: CoveredFaces, corners: np.ndarray, tops: np.ndarray, count: int) -> Surface:
-    """The fill of bridges on ``count`` blocks: a prism over each face that it lies on, between its corners and their tops (n, 3) [m]."""
+def fill_layer(fill: CoveredFaces, moved: Callable[[np.ndarray, np.ndarray], np.ndarray], count: int) -> Surface:
+    """The fill of bridges on ``count`` blocks: a prism over each face that it lies on, up to the road, which moves with its block.
+
+    ``moved`` returns where points (n, 3) of blocks (n,) are drawn [m].
+    """
+    corners, tops = (moved(points, fill.owner) for points in (fill.corners, tops_of(fill)))
     loops, owner = list[np.ndarray](), list[int]()
     for block, (first, end) in zip(fill.block.tolist(), pairwise(fill.start.tolist()), strict=True):
         ring = np.arange(first, end)
@@ -150,7 +154,7 @@ def structure_scene(
     rows += [Sign("box", "fill", (FILL, EDGE))] if fill is not None else []
     window, layers = structure_window(solids, looking), block_layers(solids, within_sight(solids, solids.vertices), colours)
     if fill is not None:
-        layers.append(fill_layer(fill, fill.corners, tops_of(fill), len(blocks)))
+        layers.append(fill_layer(fill, lambda points, block: points, len(blocks)))
         window = window.joined(Window.around(looking.plane(layers[-1].points), MARGIN))
     return PictureScene(
         view=looking,

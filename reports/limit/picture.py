@@ -15,14 +15,14 @@ from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism
 from masonry_cd.analysis.limit.ties import LimitTie
 from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.model.blocks import Block
-from masonry_cd.mechanics.model.fill import BARS
+from masonry_cd.mechanics.model.fill import BARS, CoveredFaces, Fill
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.drawing.figure import LABELLED
-from reports.drawing.palette import AT_WORK, CRUSHED, INK, MOVES, PULLING, REST, STANDS, THRUST
-from reports.drawing.parts import BEFORE, BEHIND, KeyPanel, Layer, Lines, Sign, Surface, Ties, View, painted, ribbon, view_named
+from reports.drawing.palette import AT_WORK, CRUSHED, EDGE, FILL, INK, MOVES, PULLING, REST, STANDS, THRUST
+from reports.drawing.parts import BEFORE, BEHIND, KeyPanel, Layer, Lines, Sign, Surface, Ties, View, Window, painted, ribbon, view_named
 from reports.drawing.scene import PictureScene
-from reports.drawing.solids import auto_view, block_layers, structure_window, two_colours, within_sight
+from reports.drawing.solids import MARGIN, auto_view, block_layers, fill_layer, structure_window, two_colours, within_sight
 from reports.maps.thrust import THINNEST, joint_ribbons
 
 AMPLITUDE = 0.07  # largest displacement drawn, as a share of the structure's size
@@ -42,6 +42,7 @@ class LimitSubject:
     blocks: Sequence[Block]
     joints: Joints
     ties: Sequence[LimitTie] = ()
+    fills: Sequence[Fill] = ()  # of bridges
 
 
 def mechanism_scene(subject: LimitSubject, title: str, facts: str, view: str = "auto") -> PictureScene:
@@ -62,6 +63,11 @@ def mechanism_scene(subject: LimitSubject, title: str, facts: str, view: str = "
     corner_joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     corners = _between(moved, joints, joints.polygon, corner_joint)
     rows = [Sign("box", f"moves: {counted(int(moves.moving.sum()), 'block')}", (MOVES,))]
+    fill = CoveredFaces.of(subject.fills, [block.name for block in subject.blocks])
+    filled = [] if fill is None else [fill_layer(fill, moved, len(subject.blocks))]
+    for layer in filled:
+        window = window.joined(Window.around(looking.plane(layer.points), MARGIN))
+        rows.append(Sign("box", "fill", (FILL, EDGE)))
     at_work = [name for name in STATES[1:] if moves.count(name)]
     radius = DOT * window.height
     hinges = {name: np.flatnonzero((moves.state == STATES.index(name)) & (moves.rotation > STILL)) for name in ("hinge", "hinge and slide")}
@@ -73,6 +79,7 @@ def mechanism_scene(subject: LimitSubject, title: str, facts: str, view: str = "
         window=window,
         layers=[
             *moving_layers(solids, vertices, moves.moving, solids),
+            *filled,
             *_outlines(moves, joints, corners, looking),
             *(
                 dots(_between(moved, joints, moves.hinge[j], j), AT_WORK[name], looking, radius, through(looking))
@@ -135,7 +142,8 @@ def drawn_ties(ties: Sequence[LimitTie], moved: Callable[[np.ndarray, np.ndarray
 
 
 def _tie_signs(ties: Sequence[LimitTie]) -> list[Sign]:
-    """Return the signs of ties in the key."""
+    """Return the signs of the ties that are drawn in the key."""
+    ties = [tie for tie in ties if not tie.label.startswith(BARS)]
     return [Sign("line", "tie, with what it pulls" if len(ties) <= LABELLED else "tie, some with what they pull", (PULLING,))] * bool(ties)
 
 

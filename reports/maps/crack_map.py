@@ -32,7 +32,7 @@ from reports.drawing.bands import DrawnJoints
 from reports.drawing.figure import LABELLED, in_metres
 from reports.drawing.parts import BEHIND, KeyPanel, Sign, Surface, Ties, painted
 from reports.drawing.scene import PictureScene
-from reports.drawing.solids import block_layers, fill_layer, structure_window, tops_of, two_colours, within_sight
+from reports.drawing.solids import block_layers, fill_layer, structure_window, two_colours, within_sight
 from reports.maps.framing import Framing, MapStyle, largest_displacement, view_and_cut
 from reports.maps.thrust import ribbons
 from reports.ties import ties_at
@@ -141,9 +141,7 @@ def fill_at(results: Results, solids: Solids, pose: Pose, factor: float) -> Surf
     fill = results.fill
     if fill is None:
         return None
-    block = np.repeat(fill.block, np.diff(fill.start))
-    corners, tops = (pose.moved(solids, points, block, factor) for points in (fill.corners, tops_of(fill)))
-    return fill_layer(fill, corners, tops, len(solids.centre))
+    return fill_layer(fill, lambda points, block: pose.moved(solids, points, block, factor), len(solids.centre))
 
 
 def crack_scene(results: Results, frame: int, framed: Framing) -> PictureScene:

@@ -145,6 +145,11 @@ class CoveredFaces(NamedTuple):
     start: np.ndarray  # (G + 1,) where its corners begin, and where the last end
     corners: np.ndarray  # (n, 3) at rest, counter-clockwise seen from above [m]
 
+    @property
+    def owner(self) -> np.ndarray:
+        """The block (n,) of each corner."""
+        return np.repeat(self.block, np.diff(self.start))
+
     @classmethod
     def of(cls, fills: Sequence[Fill], names: Sequence[str]) -> CoveredFaces | None:
         """Those of the fills of a structure, whose blocks have names; None where fill lies on no block."""
