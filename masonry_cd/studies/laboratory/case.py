@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.analysis.distributions import by_chance, distance, quantiles
+from masonry_cd.analysis.distributions import by_chance, distance
 from masonry_cd.analysis.limit.analysis import LimitOptions, analyse
 from masonry_cd.analysis.pushover import PushCurve, require_pushes
 from masonry_cd.app.case import prepare
@@ -54,8 +54,8 @@ class Sample(NamedTuple):
         apart = distance(pair[0], even[0], pair[1], even[1])
         chance = by_chance(apart, len(self.measured), len(self.computed))
         found: dict[str, Any] = {"quantity": self.quantity, "unit": self.unit, "distance": apart, "probability": chance}
-        for name, values, w in zip(("measured", "computed"), pair, even, strict=True):
-            ends = [q if np.isfinite(q) else None for q in quantiles(values, w, (0.25, 0.5, 0.75))]
+        for name, values in zip(("measured", "computed"), pair, strict=True):
+            ends = [q if np.isfinite(q) else None for q in np.sort(values)[-(-np.array([1, 2, 3]) * len(values) // 4) - 1].tolist()]
             found[name] = {"count": len(values), "fallen": float(np.mean(np.isinf(values))), "quartiles": ends}
         return found
 

@@ -70,11 +70,21 @@ def test_without_enough_possible_samples_the_next_proposal_is_the_prior() -> Non
     assert effective(np.zeros(5)) == 0.0
 
 
-def test_weighted_quantiles_and_correlations_are_those_of_repeated_samples() -> None:
+def test_a_range_of_90_percent_has_the_next_draw_in_90_percent_of_cases_however_few_the_samples() -> None:
+    draw = np.random.default_rng(3)
+    for weight, within in ((np.ones(39), 0.003), (np.arange(1.0, 40.0), 0.015)):
+        w = weight / weight.sum()
+        ends = np.array([quantiles(one, w) for one in draw.normal(size=(4000, 39))])
+        assert np.diff(norm.cdf(ends[:, [0, 2]])).mean() == pytest.approx(0.9, abs=within)
+    values = draw.normal(size=39)
+    assert quantiles(values, np.full(39, 1 / 39)) == pytest.approx(np.quantile(values, [0.05, 0.5, 0.95], method="weibull"))
+    assert quantiles(-values, w) == pytest.approx([-q for q in quantiles(values, w)[::-1]])
+
+
+def test_weighted_correlations_are_those_of_repeated_samples() -> None:
     rows = np.array([[3.0, 1.0, 2.0, 5.0], [0.5, 2.0, -1.0, 4.0]])
     times = np.array([10, 40, 30, 20])
     repeated = np.repeat(rows, times, axis=1)
-    assert quantiles(rows[0], times / 100) == np.quantile(repeated[0], [0.05, 0.5, 0.95], method="inverted_cdf").tolist()
     assert correlation(rows, times / 100) == pytest.approx(np.corrcoef(repeated))
 
 
