@@ -129,8 +129,8 @@ CAPTION = (
 )
 SHARES = (
     "All properties of the structure varied at once, each over the range of its levels: the share of the variance of an answer that one "
-    "explains by itself (full) and with all that it does together with others (hollow). Whiskers are 95 % bands, from draws of "
-    "the surrogate."
+    "explains by itself (full) and with all that it does together with others (hollow). Whiskers are 95 % bands, with what "
+    "the surrogate does not explain."
 )
 READ = (
     "The base case is the scene as it is. Chance is judged by the studentised range of as many runs as a "

@@ -7,11 +7,15 @@ r"""Sobol indices of an answer over all unknowns at once: which share of its var
 (Sobol, Math. Comput. Simulation 55, 2001; Homma & Saltelli, Reliab. Eng. Syst. Saf. 52, 1996), by the estimators of Saltelli et al.
 (Comput. Phys. Comm. 181, 2010), which scipy has. They take thousands of values of y, so these come from a surrogate: a Gaussian process
 through the runs, with a Matern kernel of order 5/2, a length for each unknown, and noise (Rasmussen & Williams, Gaussian Processes for
-Machine Learning, 2006). Bands are those of draws from its posterior: what few runs leave open (Le Gratiet, Cannamela & Iooss, SIAM/ASA J.
-Uncertain. Quantif. 2, 2014).
+Machine Learning, 2006).
 
-The surrogate is fitted again ten times, each time without a tenth of the runs; its error is that of the runs left out. Above LARGEST_ERROR
-of their standard deviation it explains less than three quarters of their variance, and there are no indices.
+The surrogate is fitted again ten times, each time without a tenth of the runs; its error e is that of the runs left out, over their
+standard deviation. Above LARGEST_ERROR it explains less than three quarters of their variance, and there are no indices.
+
+Bands are those of draws from its posterior, what few runs leave open (Le Gratiet, Cannamela & Iooss, SIAM/ASA J. Uncertain. Quantif. 2,
+2014), and of what it does not explain: with y = s + r and r independent of s in each of Sobol's terms, Var(r) = e^2 Var(y), an index of y is
+
+    (1 - e^2) S(s) + e^2 S(r),                S(r) from 0 to 1, as it is not known of which unknown r is.
 """
 
 from __future__ import annotations
@@ -96,7 +100,7 @@ def indices_of(unknowns: Sequence[Unknown], u: np.ndarray, y: np.ndarray, felt: 
     found = _sobol(process.predict(features(unknowns, _pick_freeze(len(unknowns), SAMPLES, seed)))[None], len(unknowns))[:, 0]
     mean, drawn = _drawn(process, features(unknowns, _pick_freeze(len(unknowns), OF_A_DRAW, seed)), seed)
     moved = _sobol(drawn, len(unknowns)) - _sobol(mean[None], len(unknowns))  # on the same samples, so that their own error is in neither
-    first_band, total_band = (bands(at + by) for at, by in zip(found, moved, strict=True))
+    first_band, total_band = (_of_all(bands(at + by), error) for at, by in zip(found, moved, strict=True))
     return Indices(found[0], found[1], first_band, total_band, error, count)
 
 
@@ -119,6 +123,12 @@ def _fitted(x: np.ndarray, y: np.ndarray, seed: int) -> tuple[GaussianProcessReg
         process.fit(x, y)
         left_out = cross_val_predict(process, x, y, cv=KFold(FOLDS, shuffle=True, random_state=seed))
     return process, float(np.sqrt(np.mean((left_out - y) ** 2)))
+
+
+def _of_all(band: tuple[np.ndarray, np.ndarray], error: float) -> tuple[np.ndarray, np.ndarray]:
+    """A band of indices of the answer from one of those of its surrogate."""
+    explained = 1.0 - error**2
+    return explained * band[0], explained * band[1] + error**2
 
 
 def _pick_freeze(d: int, count: int, seed: int) -> np.ndarray:

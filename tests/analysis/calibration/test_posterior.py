@@ -78,6 +78,7 @@ def test_a_range_of_90_percent_has_the_next_draw_in_90_percent_of_cases_however_
         assert np.diff(norm.cdf(ends[:, [0, 2]])).mean() == pytest.approx(0.9, abs=within)
     values = draw.normal(size=39)
     assert quantiles(values, np.full(39, 1 / 39)) == pytest.approx(np.quantile(values, [0.05, 0.5, 0.95], method="weibull"))
+    assert quantiles(np.arange(5.0), np.array([0.0, 0.0, 0.5, 0.5, 0.0])) == [2.0, 2.5, 3.0]
     assert quantiles(-values, w) == pytest.approx([-q for q in quantiles(values, w)[::-1]])
 
 
