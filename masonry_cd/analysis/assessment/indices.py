@@ -13,7 +13,7 @@ The surrogate is fitted again ten times, each time without a tenth of the runs; 
 standard deviation. Above LARGEST_ERROR it explains less than three quarters of their variance, and there are no indices.
 
 Bands are those of draws from its posterior, what few runs leave open (Le Gratiet, Cannamela & Iooss, SIAM/ASA J. Uncertain. Quantif. 2,
-2014), and of what it does not explain: with y = s + r and r independent of s in each of Sobol's terms, Var(r) = e^2 Var(y), an index of y is
+2014), and of what it does not explain: with y = s + r, r independent of s in each of Sobol's terms, Var(r) = e^2 Var(y), an index of y is
 
     (1 - e^2) S(s) + e^2 S(r),                S(r) from 0 to 1, as it is not known of which unknown r is.
 """
