@@ -14,6 +14,7 @@ from typing import Any
 from masonry_cd.app.scene_schema import scene_schema
 from masonry_cd.foundation.table_schema import table_schema
 from masonry_cd.mechanics.model.masonry_kinds import KINDS, Range
+from masonry_cd.mechanics.model.stone_kinds import STONES
 from masonry_cd.studies.selection.tables import SelectionTables
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
@@ -52,7 +53,7 @@ def pages() -> dict[Path, str]:
 def _scene() -> str:
     tables = scene_schema()["properties"]
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
-    parts += [*_section("[material]", tables["material"]), *_masonry()]
+    parts += [*_section("[material]", tables["material"]), *_masonry(), *_stones()]
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[[links]]", tables["links"]["items"])]
     parts += _section("[[ground]]", tables["ground"]["items"])
     parts += [*_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
@@ -69,6 +70,16 @@ def _masonry() -> Iterator[str]:
     for name, kind in KINDS.items():
         cells = ((kind.weight,), (kind.young, kind.rigidity), (kind.compressive,), (kind.shear, kind.sliding))
         rows.append(" | ".join([f"| `{name}`", kind.italian, *(", ".join(_range(one) for one in cell if one) for cell in cells)]) + " |")
+    yield "\n".join(rows) + "\n"
+
+
+def _stones() -> Iterator[str]:
+    """The kinds of stone and the values that the table gives them."""
+    yield "### Stones by name\n\nDried building stones, National Bureau of Standards: least and largest values.\n"
+    rows = ["| kind | tensile_strength [MPa] | young [GPa] |\n|---|---|---|"]
+    for name, kind in STONES.items():
+        cells = zip(kind.ranges().values(), (1e-6, 1e-9), strict=True)
+        rows.append(" | ".join([f"| `{name}`", *(" to ".join(f"{unit * value:.3g}" for value in values) for values, unit in cells)]) + " |")
     yield "\n".join(rows) + "\n"
 
 

@@ -69,6 +69,7 @@ def in_pieces(made: MadeStructure, stones: Mapping[str, Stones]) -> MadeStructur
     left = f", {len(whole)} that are not convex stay whole, the first is {whole[0]}" if whole else ""
     cut = sum(len(own) for own in pieces.values())
     notes = [*made.notes, f"{KEY}: {counted(len(pieces), 'stone')} in {cut} pieces, which crack from each other{left}"]
+    notes += dict.fromkeys(line for own in stones.values() for line in own.notes())
     return made._replace(blocks=blocks, notes=notes, ties=[_moved(bar, pieces) for bar in made.ties])
 
 

@@ -80,6 +80,21 @@ def test_pieces_of_one_stone_have_the_law_of_its_planes_and_others_that_of_their
     assert (assembly.friction * assembly.laws.apex)[rows] == pytest.approx([2.0 * STRENGTH, 0.0, 2.0 * STRENGTH, 0.0])
 
 
+def test_a_kind_gives_strength_and_modulus_of_its_table_and_keys_of_the_scene_win() -> None:
+    psi = 6894.757
+    granite, own = Stones(kind="granite"), Stones(kind="granite", tensile_strength=STRENGTH)
+    assert (granite.strength, granite.modulus) == (pytest.approx(800.0 * psi), pytest.approx(6.95e6 * psi))
+    assert (own.strength, own.modulus) == (STRENGTH, granite.modulus)
+    assert granite.law(0.5, granite.modulus) == Stones(tensile_strength=granite.strength).law(0.5, granite.modulus)
+    base = stone((-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), "base", "base", fixed=True)
+    made = [in_pieces(MadeStructure([base, stone((0.0, 0.0, 0.0), (0.3, 0.8, 0.2))], []), {"wall": law}).notes for law in (granite, own)]
+    assert made[0][-1] == (
+        "material.stones: granite, tensile_strength 5.52 MPa (4.14 MPa to 6.89 MPa by the table), young 47.9 GPa (39.3 GPa to 56.5 GPa by "
+        "the table)"
+    )
+    assert made[1][-1] == "material.stones: granite, young 47.9 GPa (39.3 GPa to 56.5 GPa by the table)"
+
+
 # --- closed forms --------------------------------------------------------------------------------------------------------------
 
 
@@ -192,6 +207,8 @@ def test_a_flat_arch_cracks_when_its_abutments_have_parted_by_the_stretch_at_its
         ({"young": None}, "needs young"),
         ({"fracture_energy": 1.0}, "no more than its spring stores"),
         ({"cohesion": 1e5}, "above its cohesion over its friction"),
+        ({"kind": "granit"}, 'no such kind of stone .did you mean "granite"'),
+        ({"tensile_strength": None}, "needs tensile_strength, or the kind of a stone"),
     ],
 )
 def test_wrong_stones_are_refused_by_their_key(tmp_path: Path, keys: dict[str, Any], message: str) -> None:

@@ -160,6 +160,13 @@ def test_stones_that_follow_the_masonry_keep_its_modulus_where_joints_become_rig
     structure_of(rigid)
 
 
+def test_stones_of_a_kind_are_varied_about_its_strength_and_keep_its_modulus() -> None:
+    plan = AssessPlan(scene(material={"masonry": "squared stone", "friction": 0.5, "stones": {"kind": "limestone"}}))
+    own = plan.maker.study.scene.material.stones["default"]
+    assert of_level(plan, "stone strength", "x 0.7").material.stones["default"].strength == pytest.approx(0.7 * own.strength)
+    assert of_level(plan, "joint stiffness", "rigid").material.stones["default"].modulus == own.modulus
+
+
 def test_half_a_time_step_and_a_tenth_of_the_tolerance() -> None:
     plan = AssessPlan(scene())
     assert of_level(plan, "time step", "1 ms").run.dt == 1e-3

@@ -113,7 +113,7 @@ class Material(ElasticBlocks):
         if self.masonry is None or self.joint_moduli is None:
             return self
         young = self.joint_moduli[0]
-        stones = {group: own.model_copy(update={"young": own.young or young}) for group, own in self.stones.items()}
+        stones = {group: own.model_copy(update={"young": own.modulus or young}) for group, own in self.stones.items()}
         return self.model_copy(update={"masonry": self.masonry.model_copy(update={"stiffness": RIGID}), "stones": stones})
 
 

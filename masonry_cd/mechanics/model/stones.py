@@ -23,13 +23,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Count, Number, Table
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import of_group
 from masonry_cd.mechanics.model.joint_laws import LAWS, JointLaw
 from masonry_cd.mechanics.model.joint_laws.elastic import SOFTER_ALONG
 from masonry_cd.mechanics.model.joint_laws.tables import JointLaws
+from masonry_cd.mechanics.model.stone_kinds import STONES, stone_in_words
 from masonry_cd.mechanics.model.usual import FRACTURE, FRICTION, SPLITTING, YOUNG
 
 KEY = "material.stones"
@@ -43,8 +44,10 @@ AXES = "xyz"
 class Stones(Table):
     """The table ``[material.stones]``, or one of its groups, ``[material.stones.arch]``."""
 
-    tensile_strength: Annotated[Number, Unit("Pa"), SPLITTING, Field(gt=0)]
-    """Tensile strength of the stone across the planes."""
+    kind: Annotated[str, Field(json_schema_extra={"enum": list(STONES)})] | None = None
+    """Kind of stone, which gives tensile_strength and young as the means of a table; keys of the scene win."""
+    tensile_strength: Annotated[Number, Unit("Pa"), SPLITTING, Field(gt=0)] | None = None
+    """Tensile strength of the stone across the planes; needed where no kind gives it."""
     fracture_energy: Annotated[Number, Unit("N/m"), FRACTURE, Field(gt=0)] | None = None
     """G_I, what a crack takes per area when it opens; without it a plane breaks at once."""
     cohesion: Annotated[Number, Unit("Pa"), SPLITTING, Field(gt=0)] | None = None
@@ -54,7 +57,7 @@ class Stones(Table):
     friction: Annotated[Number, FRICTION, Field(gt=0, le=2)] = BYERLEE
     """Coefficient of friction in a crack; that of Byerlee for fresh rock when not given."""
     young: Annotated[Number, Unit("Pa"), YOUNG, Field(gt=0)] | None = None
-    """Young's modulus of the stone, which gives the planes their stiffness; that of the masonry when not given."""
+    """Young's modulus of the stone, which gives the planes their stiffness; that of the kind, or else of the masonry, when not given."""
     planes: Literal["mid", "cross", "voronoi"] = "mid"
     """Planes of a stone: "mid", one through its centre; "cross", two; "voronoi", those between the cells of points in it."""
     across: Annotated[tuple[Literal["x", "y", "z"], ...], Field(strict=False, min_length=1, max_length=3)] | None = None
@@ -65,6 +68,13 @@ class Stones(Table):
     seed: Annotated[Count, Field(ge=0)] = 0
     """Of the points of "voronoi"."""
 
+    @field_validator("kind")
+    @classmethod
+    def _is_known(cls, value: str | None) -> str | None:
+        if value is not None and value not in STONES:
+            raise ValueError(f"no such kind of stone{suggest(value, STONES)}; kinds: {', '.join(STONES)}")
+        return value
+
     @field_validator("across", mode="before")
     @classmethod
     def _one_or_more(cls, value: Any) -> Any:
@@ -72,6 +82,8 @@ class Stones(Table):
 
     @model_validator(mode="after")
     def _goes_together(self) -> Stones:
+        if self.tensile_strength is None and self.kind is None:
+            raise ValueError("needs tensile_strength, or the kind of a stone, which gives it")
         if self.planes != "voronoi":
             idle = [key for key in ("pieces", "seed") if key in self.model_fields_set]
             if idle:
@@ -84,15 +96,33 @@ class Stones(Table):
             raise ValueError("shear_fracture_energy needs fracture_energy next to it: what a crack takes when it opens")
         return self
 
+    @property
+    def strength(self) -> float:
+        """Tensile strength [Pa]."""
+        return self.tensile_strength or self._of_kind("tensile_strength") or 0.0
+
+    @property
+    def modulus(self) -> float | None:
+        """Young's modulus [Pa]; None: that of the masonry."""
+        return self.young or self._of_kind("young")
+
+    def notes(self) -> list[str]:
+        """A line on what its kind gives, where one is named."""
+        given = {key for key in ("tensile_strength", "young") if getattr(self, key) is not None}
+        return [] if self.kind is None else [f"{KEY}: {stone_in_words(self.kind, given)}"]
+
+    def _of_kind(self, key: str) -> float | None:
+        return None if self.kind is None else STONES[self.kind].ranges()[key].mean
+
     def law(self, spacing: float, young: float) -> JointLaw:
         """The law of planes between pieces whose centres are so far apart [m], of a stone with such a modulus [Pa]."""
-        cohesion, shear = self.cohesion or GRIFFITH * self.tensile_strength, self.shear_fracture_energy
+        cohesion, shear = self.cohesion or GRIFFITH * self.strength, self.shear_fracture_energy
         if shear is None and self.fracture_energy is not None:
-            shear = SOFTER_ALONG * (cohesion / self.tensile_strength) ** 2 * self.fracture_energy
+            shear = SOFTER_ALONG * (cohesion / self.strength) ** 2 * self.fracture_energy
         return JointLaw(
             normal_stiffness=young / spacing,
             cohesion=cohesion,
-            tension=self.tensile_strength,
+            tension=self.strength,
             fracture_energy=self.fracture_energy,
             shear_fracture_energy=shear,
         )
@@ -112,8 +142,7 @@ def stones_in_words(stones: Mapping[str, Stones]) -> list[str]:
     """A line for each group whose stones crack, with the numbers of their law."""
     return [
         f"Stones{'' if group == 'default' else f' of {group}'} crack along planes laid beforehand ({own.planes}), at a tensile strength of "
-        f"{own.tensile_strength / 1e6:.3g} MPa, "
-        + ("at once." if own.fracture_energy is None else f"softening by {own.fracture_energy:.3g} N/m.")
+        f"{own.strength / 1e6:.3g} MPa, " + ("at once." if own.fracture_energy is None else f"softening by {own.fracture_energy:.3g} N/m.")
         for group, own in stones.items()
     ]
 
@@ -189,9 +218,9 @@ def _modulus(stones: Stones, young: float | None, group: str) -> float:
     Raises:
         InputError: neither stone nor masonry has one.
     """
-    if stones.young is None and young is None:
+    if stones.modulus is None and young is None:
         raise InputError(f"{KEY}.{group}", "needs young, the modulus of the stone, where no elastic masonry is named")
-    return stones.young or young or 0.0
+    return stones.modulus or young or 0.0
 
 
 def _values(stones: Stones, law: JointLaw, group: str) -> dict[str, float]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from masonry_cd.app.scene import Scene
+from masonry_cd.mechanics.model.stones import Stones
 from masonry_cd.studies.assess.joint_levels import OF_STIFFNESS, base_stiffness
 from masonry_cd.studies.assess.levels import ENERGY, STIFFNESS, STONES, Assumption, LeftOut, Level, Tables, laws_of, refusal
 
@@ -53,6 +54,8 @@ def stone_strength(scene: Scene, tables: Tables) -> list[Assumption]:
         def change(tables: Tables) -> None:
             for law in laws_of(tables, "stones"):
                 law |= {key: factor * law[key] for key in OF_STRENGTH if key in law}
+                if "tensile_strength" not in law:
+                    law["tensile_strength"] = factor * Stones.model_validate(law).strength  # of its kind
                 law |= {key: factor**2 * law[key] for key in OF_ENERGY if key in law}  # as brittle: the spring stores by the square
 
         return Level(f"x {factor:.3g}", change)

@@ -80,7 +80,8 @@ def stiffness(scene: Scene, asked: AssessTable) -> Assumption:
     def rigid(tables: Tables) -> None:
         if moduli is not None and scene.material.stones:
             for law in laws_of(tables, "stones"):
-                law.setdefault("young", moduli[0])
+                if "kind" not in law:  # which gives one
+                    law.setdefault("young", moduli[0])
         _rigid(tables)
 
     levels = [Level(RIGID, rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
