@@ -5,7 +5,8 @@ The accelerogram is read and processed (``loads.signal.accelerogram``) and scale
 evaluated exactly at the times of the run. The motion starts at rest. With a correction it also ends at rest, where it began; without one
 the velocity left at the end fades out by a smooth step over ``FADE`` seconds, and the line printed says so.
 
-``target_pga`` is the peak of the corrected record. The horizontal pair of a station is turned by ``rotate`` in the tables of both: each
+``target_pga`` is the peak of the corrected record. With ``site`` that is the motion of rock, and what acts is that of the ground above it
+(``loads.signal.site_response``). The horizontal pair of a station is turned by ``rotate`` in the tables of both: each
 component then acts along its direction turned about the vertical, which is the same as turning the pair,
 
     a_x = a_1 cos(phi) - a_2 sin(phi),      a_y = a_1 sin(phi) + a_2 cos(phi).
@@ -14,15 +15,17 @@ component then acts along its direction turned about the vertical, which is the 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from loads.motion import DirectionKey, FromFile, LoadAction, LoadKind, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process
-from loads.signal.baseline import GroundHistory
+from loads.signal.baseline import ORDERS, GroundHistory
 from loads.signal.intensity import reached
 from loads.signal.plausible import doubts
+from loads.signal.site_response import SiteTable, surface_motion
 from loads.supports import ShakingTable
 from masonry_cd.foundation.units import Unit
 
@@ -60,6 +63,8 @@ class RecordTable(Scaled, Recorded, ShakingTable):
     kind: Literal["record"] = "record"
     rotate: Annotated[float, Unit("degrees")] = 0.0
     """Turns the direction about z, counter-clockwise seen from above."""
+    site: SiteTable | None = None
+    """Layers of soil through which the motion goes, which then is that of a rock outcrop, to the surface."""
 
 
 def record(table: RecordTable, grid: RunGrid, where: str) -> LoadAction:
@@ -71,15 +76,19 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> LoadAction:
     processed = table.ready(grid, where)
     factor = table.factor(processed.after.numbers()["pga"])
     processed = processed.scaled(factor)
-    direction, after = table.direction.turned(table.rotate), processed.after
+    rock, direction = processed, table.direction.turned(table.rotate)
+    site = None if table.site is None else surface_motion(table.site, rock.after, ORDERS[table.correction], where)
+    processed = rock if site is None else replace(rock, after=site.history)
+    after = processed.after
     summary = table.facts("path", "correction") | {"direction": list(direction.vector), "factor": factor} | processed.numbers()
+    summary |= {} if site is None else {"site": site.facts}
     begin, end = summary["window"]
     how = f"along {direction.label}: {begin:g} to {end:g} s of it, from {table.start:g} s of the run, times {factor:.6g}"
     return LoadAction(
         motion=lambda times: direction.along(sample(after, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
-        lines=(*table.lines(processed, how, where), *_warnings(table, grid, where, after)),
-        warnings=tuple(table.doubts(processed, where)),
+        lines=(*table.lines(rock, how, where), *(site.lines if site else ()), *_warnings(table, grid, where, after)),
+        warnings=(*table.doubts(rock, where), *(site.warnings if site else ())),
         summary=summary,
         acted=reached(where, [(table.start + table.latest(grid, where), after)]),
     )
