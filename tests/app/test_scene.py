@@ -288,6 +288,7 @@ PURE = {
     *("return_period", "years", "nominal_life", "frequency", "probability"),  # in years, and per year
     *("hazard_factor", "return_factor", "material_damping"),  # of a spectrum, and of a soil
     *("factor", "zeta_E", "price", "force", "force_length", "anchor"),  # goal and prices of a strengthening; factors of a rating
+    *("plasticity_index", "overconsolidation"),  # of a soil
     "stress",  # share of the strength in service
 }
 """Keys whose numbers have no unit."""
