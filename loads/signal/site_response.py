@@ -190,11 +190,9 @@ def _parts(table: SiteTable, key: str) -> Site:
                 damped = layer.damping or 0.01 * (0.8005 + 0.0129 * plastic * ocr**-0.1069) * stress**-0.2889
             rows.append((number, thick, layer.density, layer.density * layer.shear_velocity**2, damped, reference))
         depth, weight = depth + layer.thickness, weight + STANDARD_GRAVITY * layer.density * layer.thickness
-    number, thick, density, modulus, damping, reference = (np.array(column) for column in zip(*rows, strict=True))
-    rock = table.bedrock
-    below = (rock.density, rock.density * rock.shear_velocity**2, rock.damping)
-    density, modulus, damping = (np.append(all_, last) for all_, last in zip((density, modulus, damping), below, strict=True))
-    return Site(number, thick, density, modulus, damping, reference)
+    columns, rock = [np.array(column) for column in zip(*rows, strict=True)], table.bedrock
+    below = {2: rock.density, 3: rock.density * rock.shear_velocity**2, 4: rock.damping}
+    return Site(*(np.append(column, below[k]) if k in below else column for k, column in enumerate(columns)))
 
 
 def _response(site: Site, softer: np.ndarray, damping: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -162,8 +162,8 @@ CRACKED = LaboratoryCase(
     SOURCE,
     "as above; stones of 20 GPa cut in four crosswise or in four cells, brittle, with the cohesion and friction that follow from the "
     "tensile strength; 2.8 MPa stands for granite",
-    "the tensile strength of the stone, which the database does not give (fresh granite has 4.1 to 6.9 MPa); the bond of the rubble and the "
-    "strength of its mortar",
+    "the tensile strength of the stone, which the database does not give (fresh granite has 4.1 to 6.9 MPa); the bond of the rubble and "
+    "the strength of its mortar",
     "Stones are not what the model lacks. At the strength of granite 22 of 58 crack, but past the peak: the wall bears as much, and then "
     "loses a fifth of it at a drift of 1 %. The measured peak would take stones of between 0.5 and 1.5 MPa, less than granite has. In "
     "running bond of equal stones the beds carry the thrust past the head joints; rubble has no such beds, and its mortar, which is not "
