@@ -19,7 +19,6 @@ from masonry_cd.app.limit_table import limit_table
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.plugins import CALLED, OWN_FILE
-from masonry_cd.mechanics.model.link_table import LinkTable
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
@@ -145,10 +144,7 @@ def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
             lambda tables: [[*CALLED].index(name.removeprefix("masonry_cd.")) for name in tables["project"]["entry-points"]],
             lambda tables: re.fullmatch(OWN_FILE, tables["structure"]["kind"])["path"],
         ],
-        "docs/scene_file.md": [
-            lambda tables: parse_table(Material, {"density": 2000.0, "friction": 0.6} | tables["material"], ""),
-            lambda tables: [parse_table(LinkTable, each, "links") for each in tables["links"]],
-        ],
+        "docs/scene_file.md": [lambda tables: parse_table(Material, {"density": 2000.0, "friction": 0.6} | tables["material"], "")],
         "docs/studies.md": [lambda tables: parse_table(StudyTables, tables, ""), lambda tables: parse_table(SlurmTable, tables, "")],
     }
     parts = {page_name(page): [fence for fence in fences(page) if fence.language == "toml" and not fence.title] for page in PAGES}
