@@ -2,8 +2,8 @@
 """Calibrations of a column whose properties are known: how often they lie in the range of 90 % that is found.
 
     python -m benchmarks.calibration                                        # three frequencies, in rounds that adapt
-    python -m benchmarks.calibration --cracks --samples 400 --rounds 1      # an opening, a slip and a displacement as well, by runs
-    python -m benchmarks.calibration --study examples/attribute_columns.toml --samples 400 --rounds 1    # which pulse
+    python -m benchmarks.calibration --cracks --samples 400 --rounds 6      # an opening, a slip and a displacement as well, by runs
+    python -m benchmarks.calibration --study examples/attribute_columns.toml --samples 100    # which pulse
 
 In each repetition modulus, shear modulus, friction and bond are drawn from what is thought possible. The column is observed with random
 errors as large as stated, and shaken for one cycle where cracks count. Of a study file all that varies is drawn, and observed as it says.

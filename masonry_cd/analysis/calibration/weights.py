@@ -30,7 +30,7 @@ from masonry_cd.analysis.distributions import effective
 
 PRIOR_SHARE = 0.1  # a
 FREEDOM = 5.0  # degrees of it, nu: its tails are heavier than those of a normal posterior
-OF_SAMPLES, OF_UNKNOWNS = 0.1, 5  # n is this share of the samples, or as many for each unknown, where half of the samples are more
+OF_UNKNOWNS = 5  # n for each unknown, half of the samples at most; a share of all samples would slow the approach as they grow in number
 BISECTIONS = 50  # of b
 DECIMALS = 9  # of z, so that another processor makes the same runs
 
@@ -113,8 +113,7 @@ def next_proposal(z: np.ndarray, ratio: np.ndarray, likelihood: np.ndarray) -> P
 
 def _tempered(ratio: np.ndarray, likelihood: np.ndarray, unknowns: int) -> np.ndarray:
     """The weights (N,) with the largest power of the likelihood that leaves enough of them."""
-    count = len(ratio)
-    enough = min(max(OF_SAMPLES * count, OF_UNKNOWNS * unknowns), 0.5 * count)
+    enough = min(OF_UNKNOWNS * unknowns, 0.5 * len(ratio))
     full = weights(ratio + likelihood)
     if effective(full) >= enough:
         return full

@@ -56,6 +56,6 @@ def test_strong_pulses_are_answered_in_rounds_and_their_ranges_hold_nine_of_ten(
             ends = np.array([quantiles(values, w) for values in z.T])
             inside += (ends[:, 0] <= true) & (true <= ends[:, 2])
     assert np.mean(np.array(rounds) > 1) > 0.2  # a single round does not answer these
-    assert answered >= 0.98 * PULSES
+    assert answered >= 0.99 * PULSES
     assert inside / answered == pytest.approx(0.9, abs=3.0 * np.sqrt(0.09 / answered))
     assert inside.mean() / answered == pytest.approx(0.9, abs=0.03)
