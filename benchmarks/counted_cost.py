@@ -20,7 +20,7 @@ from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.solvers import Options, accelerated, admm, interior, newton, nlgs, pivoting
 from masonry_cd.mechanics.solvers.recall import recall
 
-BESIDE = 0.6  # of a step for each contact: detection, assembly, update and account [us]
+OUTSIDE_SOLVER = 0.6  # of a step for each contact: detection, assembly, update and account [us]
 ADMM = (3.3, 0.014, 0.001, 0.0)  # of an iteration, by what :func:`work` counts [us]
 LINEARISED = (0.2, 0.049, 0.019, 1.3e-4)
 SWEEP = 0.002  # for each entry of H on one side, or of W [us]
@@ -64,7 +64,7 @@ class CountedCost:
 
     def end_step(self, contacts: int) -> None:
         """Take in a step with a given number of contacts."""
-        self.steps.append(self._now + BESIDE * contacts)
+        self.steps.append(self._now + OUTSIDE_SOLVER * contacts)
         self._now = 0.0
 
     @property

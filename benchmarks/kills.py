@@ -261,7 +261,7 @@ def undisturbed(folder: Path, kinds: Iterable[str]) -> dict[str, Reference]:
 
 
 def strike(words: Sequence[str] | None = None) -> int:
-    """Strike until there were as many strikes as asked for; the number of runs that did not end as they should."""
+    """Strike until there were as many strikes as requested; the number of runs that did not end as they should."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--times", type=int, default=20, help="kills and interrupts together")
     parser.add_argument("--seed", type=int, default=0)

@@ -135,7 +135,7 @@ def searched_row(path: Path, push: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the tables asked for."""
+    """Print the tables requested."""
     raw = argparse.RawTextHelpFormatter
     parser = argparse.ArgumentParser(prog="python -m benchmarks.limit", description=__doc__, formatter_class=raw)
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(NAMES)}; all when none is named")

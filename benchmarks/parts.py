@@ -52,7 +52,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),
     "joints": ((measured_joints, "measure_joints"), (JointPeaks, "update"), (StepPeaks, "update")),
-    "output": ((recorder.Recorder, "step"), (recorder.Recorder, "frame"), (recorder.Recorder, "close")),
+    "output": ((recorder.Recorder, "step"), (recorder.Recorder, "write_frame"), (recorder.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip
 IMPACTS = " of impacts"  # added to the parts of the second solve of a step with impacts

@@ -4,7 +4,7 @@ r"""Where the time of shaken scenes goes: step by step, phase by phase, and solv
     python -m benchmarks.profile examples/aqueduct_sinusoidal.toml
     python -m benchmarks.profile examples/church_sine.toml --set run.duration=1 --json
     python -m benchmarks.profile --steps-only --records FOLDER
-    python -m benchmarks.profile --beside TREE tower50 strong2 heap1000 examples/church_sine.toml
+    python -m benchmarks.profile --against TREE tower50 strong2 heap1000 examples/church_sine.toml
 
 The first table has the steps: under strong shaking a few of them may cost more than all the others. The second has the phases of a step.
 The third has what each method did: an iteration's time and instructions per contact, and the bytes that it reads at least, the arrays of
@@ -13,7 +13,7 @@ the problem and the factors once, over its time. Next to the bandwidth of the me
 With ``--steps-only`` the first table is all, a line for each scene. No scene given means SHAKEN. The files that scenes name as records are
 looked for in the folder given; without one, the scenes of SHAKEN that need them are left out.
 
-With ``--beside`` the scenes are stepped in another tree of the program and in this one by turns, and a table has the ratios, see
+With ``--against`` the scenes are stepped in another tree of the program and in this one by turns, and a table has the ratios, see
 ``turns.py``; scenes may be names, too.
 
 Seconds are those of the processor, on all threads. Instructions are counted where the system gives them (``counters.py``).
@@ -110,7 +110,7 @@ def profile(path: Path, changes: Sequence[str] = (), steps_only: bool = False) -
     Args:
         path: of the scene.
         changes: of its keys, as for ``--set``.
-        steps_only: whether phases and methods are not asked for.
+        steps_only: whether phases and methods are not requested.
 
     Raises:
         InputError: anything wrong with the scene.
@@ -232,17 +232,17 @@ def tables(out: Profile) -> list[str]:
 def main() -> int:
     """The command line, see the head of this file."""
     parser = argparse.ArgumentParser(description="Where the time of shaken scenes goes.")
-    parser.add_argument("scenes", nargs="*", type=Path, help="scene files; left out: three that are shaken hard; with --beside names, too")
+    parser.add_argument("scenes", nargs="*", type=Path, help="scene files; left out: three that are shaken hard; with --against names, too")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value of a key of the scenes")
     parser.add_argument("--records", type=Path, metavar="FOLDER", help="where the files are that scenes name as records")
     parser.add_argument("--steps-only", action="store_true", help="one table with a line for each scene")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--beside", type=Path, metavar="TREE", help="another tree of the program, whose steps are compared")
-    parser.add_argument("--set-here", action="append", default=[], metavar="KEY=VALUE", help="with --beside: in this tree alone")
-    parser.add_argument("--repeat", type=int, default=3, help="with --beside: runs of which the quickest counts")
+    parser.add_argument("--against", type=Path, metavar="TREE", help="another tree of the program, whose steps are compared")
+    parser.add_argument("--set-here", action="append", default=[], metavar="KEY=VALUE", help="with --against: in this tree alone")
+    parser.add_argument("--repeat", type=int, default=3, help="with --against: runs of which the quickest counts")
     given = parser.parse_args()
     try:
-        run_all(given) if given.beside is None else compare(given)
+        run_all(given) if given.against is None else compare(given)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
@@ -250,17 +250,17 @@ def main() -> int:
 
 
 def compare(given: argparse.Namespace) -> None:
-    """Step the scenes asked for in two trees, and print the ratios as they come."""
+    """Step the scenes requested in two trees, and print the ratios as they come."""
     print(f"{sitting()}\n\n{turns.HEAD}", flush=True)
-    with turns.process_of(given.beside) as beside, turns.process_of(HERE.parent) as here:
+    with turns.process_of(given.against) as against, turns.process_of(HERE.parent) as here:
         for name in map(str, given.scenes or turns.SCENES):
             found = records_in(given.records, Path(name)) if given.records is not None and name.endswith(".toml") else []
             changes = [*found, *given.set]
-            print(turns.row((beside, here), name, (changes, [*changes, *given.set_here]), given.repeat), flush=True)
+            print(turns.row((against, here), name, (changes, [*changes, *given.set_here]), given.repeat), flush=True)
 
 
 def run_all(given: argparse.Namespace) -> None:
-    """Run the scenes asked for, and print what they cost as it comes."""
+    """Run the scenes requested, and print what they cost as it comes."""
     if given.steps_only and not given.json:
         print(f"{sitting()}\n\n{STEPS}", flush=True)
     for scene in given.scenes or SHAKEN:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Steps scenes in two trees of the program by turns, for ``benchmarks.profile --beside``: what the machine does meanwhile meets both alike.
+"""Steps scenes in two trees of the program by turns, for ``benchmarks.profile --against``: other load of the machine affects both.
 
 Each tree has a process of its own (``served.py``), whose program and named scenes are those of the tree; files of
 scenes are those given. A process steps a share of a scene, then waits while the other one does.

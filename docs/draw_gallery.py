@@ -140,7 +140,7 @@ def _records(name: str, folder: Path | None) -> list[str]:
 
 
 def main() -> None:
-    """Measure what was asked for, and write the page."""
+    """Measure what was requested, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these examples alone")
     parser.add_argument("--records", type=Path, metavar="FOLDER", help="where the records are")

@@ -236,7 +236,7 @@ def load_kind(kind: str, where: str, folder: Path | None = None) -> LoadKind:
         return KINDS[kind]
     found = plugins.find("loads", kind, f"{where}.kind", KINDS, folder)
     if not (callable(getattr(found, "part", None)) and isinstance(getattr(found, "table", None), type)):
-        raise InputError(f"{where}.kind", f'"{kind}" is no LoadKind(table, part)')
+        raise InputError(f"{where}.kind", f'"{kind}" is not a LoadKind(table, part)')
     return found if isinstance(found, LoadKind) else LoadKind(found.table, found.part)
 
 

@@ -2,7 +2,7 @@
 r"""Action of the fill of a bridge on blocks in addition to its weight, which rides on them (:mod:`masonry_cd.mechanics.model.fill`).
 
 **Pressure.** On a wall, and on the back of an abutment of blocks, K gamma (depth) at right angles to the face: as built K_0 = 1 - sin(phi)
-(Jaky 1944) or, where asked for, Rankine's K_a. With D the depth of the lower edge of a face, and u by how far it has moved away,
+(Jaky 1944) or, where requested, Rankine's K_a. With D the depth of the lower edge of a face, and u by how far it has moved away,
 
     K = (K_0 - K_a) (1 - u / (a D)) + K_a (1 - u / (g D)),        each bracket 0 at least and 1 at most,
 
@@ -46,7 +46,7 @@ from masonry_cd.mechanics.model.fill import BARS, Fill, FillFace
 FAR = 1000.0  # length of the bars [m]: a face that rises by 0.3 m stretches one by 45 um
 FARTHER = 1e5  # of those that press [m]: a stone that falls by 10 m stretches one by 0.5 mm
 DAMPING = 0.05  # of the bars, share of the critical damping
-BESIDE = 1e-3  # [m]: a wall farther than this from what carries the fill stands beyond it
+ADJACENT = 1e-3  # [m]: a wall farther than this from what carries the fill stands beyond it
 LEAST = 1e-6  # of the largest resistance of a face: faces that are all but level have none
 
 
@@ -189,9 +189,9 @@ def _carriers(fill: Fill, assembly: Assembly) -> _Carriers:
 def _bearer(fill: Fill, thrust: FillPressure, carriers: _Carriers, assembly: Assembly) -> int:
     """The block that carries the fill at the same place along the road; of the fill beyond the arches the nearest support."""
     ((along, across),) = _over_feet(fill, thrust.place[None])
-    beside = (carriers.low - BESIDE <= along) & (along <= carriers.high + BESIDE) & (carriers.block != thrust.block)
-    if thrust.face.kind == "wall" and beside.any():
-        return int(carriers.block[np.argmin(np.where(beside, np.abs(carriers.across - across), np.inf))])
+    adjacent = (carriers.low - ADJACENT <= along) & (along <= carriers.high + ADJACENT) & (carriers.block != thrust.block)
+    if thrust.face.kind == "wall" and adjacent.any():
+        return int(carriers.block[np.argmin(np.where(adjacent, np.abs(carriers.across - across), np.inf))])
     return _nearest_support(assembly, thrust.place)
 
 

@@ -115,7 +115,7 @@ class Static:
 
 Positive = Annotated[float, Field(gt=0.0)]
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
-"""Configuration of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
+"""Configuration of every model of keys. Values are taken as they are typed: the text "0.2" is not a number."""
 
 
 class LoadTable(BaseModel):

@@ -30,7 +30,7 @@ LONGEST_DRAWN = 4.0  # period of a spectrum that has no end [s]
 DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
-def record_picture(before: GroundHistory, after: GroundHistory, path: Path, title: str = "", begin: float = 0.0) -> None:
+def draw_record(before: GroundHistory, after: GroundHistory, path: Path, title: str = "", begin: float = 0.0) -> None:
     """Draw a PNG (or PDF, SVG, by the name's ending).
 
     Args:
@@ -44,13 +44,13 @@ def record_picture(before: GroundHistory, after: GroundHistory, path: Path, titl
     grid = figure.add_gridspec(6, 2, width_ratios=(1.75, 1.0))
     rows = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
     for axes, name, unit in zip(rows, ("acceleration", "velocity", "displacement"), ("m/s²", "m/s", "m"), strict=True):
-        _histories(axes, before, after, name, f"{name} [{unit}]", begin)
+        _draw_histories(axes, before, after, name, f"{name} [{unit}]", begin)
     rows[0].sharex(rows[2])
     rows[1].sharex(rows[2])
     rows[2].set_xlabel("time [s]")
     for axes in rows[:2]:
         axes.tick_params(labelbottom=False)
-    _spectra(figure.add_subplot(grid[:4, 1]), before, after)
+    _draw_spectra(figure.add_subplot(grid[:4, 1]), before, after)
     _build_up(figure.add_subplot(grid[4:, 1]), after, begin)
     figure.suptitle(title, color=INK, fontsize=13, x=0.01, ha="left")
     try:
@@ -84,7 +84,7 @@ def file_picture(file: Path, picture: Path | None, dt: float = 1e-3, **keys: Any
     column = f" [{processed.column}]" if processed.column else ""
     done = [f"{table.correction} correction" if table.correction != "none" else "not corrected"]
     done += [f"{table.band[0]:g} to {table.band[1]:g} Hz"] if table.band else []
-    record_picture(processed.before, processed.after, picture, f"{file.name}{column}: {', '.join(done)}", processed.begin)
+    draw_record(processed.before, processed.after, picture, f"{file.name}{column}: {', '.join(done)}", processed.begin)
     return processed
 
 
@@ -102,13 +102,13 @@ def spectrum_picture(spectrum: ElasticSpectrum, dampings: Sequence[float], title
         axes.set_ylabel(label, color=INK)
         axes.set_xlim(0.0, end)
         axes.set_ylim(bottom=0.0)
-        _quiet(axes)
+        _format_axes(axes)
     axes.legend(frameon=False)
     figure.suptitle(title, color=INK, fontsize=12, x=0.01, ha="left")
     return figure
 
 
-def _histories(axes: Any, before: GroundHistory, after: GroundHistory, name: str, label: str, begin: float) -> None:
+def _draw_histories(axes: Any, before: GroundHistory, after: GroundHistory, name: str, label: str, begin: float) -> None:
     """One quantity over time, with its peaks."""
     said, peaks = [], []
     for history, colour, width, word in ((before, BEFORE, 1.8, "before"), (after, AFTER, 0.9, "after")):
@@ -124,10 +124,10 @@ def _histories(axes: Any, before: GroundHistory, after: GroundHistory, name: str
     axes.set_ylabel(label, color=INK)
     axes.set_title(f"peak {said[0]}; {said[1]}", fontsize=9, color=FAINT, loc="right")
     axes.margins(x=0.01)
-    _quiet(axes)
+    _format_axes(axes)
 
 
-def _spectra(axes: Any, before: GroundHistory, after: GroundHistory) -> None:
+def _draw_spectra(axes: Any, before: GroundHistory, after: GroundHistory) -> None:
     """Pseudo-acceleration over the period."""
     periods = default_periods(120)
     for history, colour, width, word in ((before, BEFORE, 2.6, "before"), (after, AFTER, 1.3, "after")):
@@ -140,7 +140,7 @@ def _spectra(axes: Any, before: GroundHistory, after: GroundHistory) -> None:
     axes.set_xlabel("period [s]")
     axes.set_ylabel(f"pseudo-acceleration [m/s²], {100 * DAMPING:g} % damping", color=INK)
     axes.legend(frameon=False)
-    _quiet(axes)
+    _format_axes(axes)
 
 
 def _build_up(axes: Any, after: GroundHistory, begin: float) -> None:
@@ -154,10 +154,10 @@ def _build_up(axes: Any, after: GroundHistory, begin: float) -> None:
     axes.set_ylabel("intensity [m/s]", color=INK)
     axes.set_ylim(bottom=0.0)
     axes.margins(x=0.01)
-    _quiet(axes)
+    _format_axes(axes)
 
 
-def _quiet(axes: Any) -> None:
+def _format_axes(axes: Any) -> None:
     """Light lines, no frame."""
     axes.grid(color="#e3e6e8", lw=0.6)
     axes.set_axisbelow(True)

@@ -48,11 +48,11 @@ class Delay(BaseModel):
     model_config = strict
 
     direction: DirectionKey | None = None
-    """In which the motion travels."""
+    """Direction in which the motion travels."""
     speed: Annotated[float, Unit("m/s"), Field(gt=0.0)] | None = None
     """Apparent, along the direction."""
     seconds: dict[str, Instant] | None = None
-    """Lag by names of supports or groups; none for those not named."""
+    """Lag by names of supports or groups; 0 for those not named."""
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -118,7 +118,7 @@ def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
         found = np.fromiter(of_either, dtype=bool, count=assembly.count)
         if not found.any():
             known = [*assembly.groups, *assembly.names]
-            raise InputError(where, f'"{name}" is no block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
+            raise InputError(where, f'"{name}" is not a block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
         mask |= found
     return mask
 

@@ -77,7 +77,7 @@ def _below(x: np.ndarray, depth: np.ndarray | float, contact: float, fill: Fill)
     return total / LINES
 
 
-@lru_cache(maxsize=8)  # they are those of all places of a vehicle, which is asked for at many
+@lru_cache(maxsize=8)  # they are those of all places of a vehicle, which is evaluated at many
 def strips_of(fill: Fill, vehicle: Known, line: str, offset: float) -> Strips:
     """Cut the faces below the road into strips, and share the wheels of an axle among those next to each other; ``line`` and ``offset`` are
     the keys ``across`` and ``offset`` of the vehicle."""

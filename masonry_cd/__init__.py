@@ -6,7 +6,7 @@
     run = mc.run("arch.toml")
     run.parts, run.joints, run.plot.crack_map()
 
-What there is says docs/python.md. Nothing is imported before it is asked for: a name of ``NAMES`` comes from the package ``interface``, or
+What there is says docs/python.md. Nothing is imported before its first use: a name of ``NAMES`` comes from the package ``interface``, or
 from where the program itself keeps it. Type checkers and editors read ``__init__.pyi``. There is no import statement for the names here:
 every module imports this one, so that all kernels would be stamped by the sources of the interface (:mod:`masonry_cd.foundation.jit`).
 """

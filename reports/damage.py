@@ -76,13 +76,13 @@ BY_SHOCK = "damage_shocks.csv"
 DIGITS = 9
 NOTE = (
     "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
-    "counts each joint once. opened, slid and separated: what each joint suffered at any time, as in joints.csv; open, slipped, apart, "
-    "hinges and residual values: what is left at the end, between blocks that have not fallen. SI units. "
+    "counts each joint once. opened, slid and separated: states that a joint reached at any time, as in joints.csv; open, slipped, apart, "
+    "hinges and residual values: the state at the end, between blocks that have not fallen. SI units. "
 )
 OF_STEPS = "Largest values, and the hinges of a run, are over all time steps."
 OF_FRAMES = (
     "Largest openings and slidings are over all time steps; largest drifts and displacements, and the hinges of a run, are over the frames "
-    "only, see history_frames: the result file has no others."
+    "only (see history_frames), because the result file holds no others."
 )
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The outputs in the folder of a run, each declared once: its files with what they hold, when it is asked for, and what writes it.
+"""The outputs in the folder of a run, each declared once: its files and their contents, the condition for it, and its function.
 
 A module of ``reports/outputs`` lists its own in ``OUTPUTS``, by a name; a package adds one by its entry points. A scene asks for an output
 by the key of its name, ``[report] energy = true``, unless the output says otherwise. A run and the command ``report`` write those that are
-asked for, a new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file
+requested, a new run clears them, the page carries the tables that say so, and docs/outputs.md has them all. So a new output is one new file
 there. A run whose ``[report]`` asks for nothing loads none of this.
 """
 
@@ -49,12 +49,12 @@ class Job:
         return dict(sorted(known.items(), key=lambda item: item[1].place))
 
     def wants(self, name: str) -> bool:
-        """Return True if an output is asked for."""
+        """Return True if an output is requested."""
         asked = self.outputs[name].asked
         return self.asked.get(name, bool(getattr(self.settings, name, False)) if asked is None else asked(self))
 
     def write(self) -> list[Path]:
-        """Write all that are asked for, in their order; return the files."""
+        """Write all requested outputs, in their order; return the files."""
         written = []
         for path in (path for name, output in self.outputs.items() if self.wants(name) for path in output.write(self)):
             own_files.note(path)  # also what a plug-in has written
@@ -85,7 +85,7 @@ def output_of(name: str) -> Output:
 
 
 def never(_: Job) -> bool:
-    """When files are asked for that the run itself writes, or a command alone."""
+    """False: the run itself, or a command, writes these files."""
     return False
 
 

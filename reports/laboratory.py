@@ -26,7 +26,7 @@ from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary
 from masonry_cd.io.summary_tables import Cycle
-from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
+from reports.drawing.figure import COLOURS, FAINT, INK, format_axes, save
 
 CURVES, CYCLES = "force_displacement.csv", "push_cycles.csv"
 CURVE_PLOT, GAUGE_PLOT = "force_displacement.png", "gauges.png"
@@ -76,13 +76,13 @@ def histories_of(results: Results, asked: bool = True) -> dict[str, dict[str, Hi
     """Histories by kind, ``points`` and so on, and name; those that there are.
 
     Raises:
-        InputError: they are ``asked`` for, and the run kept none.
+        InputError: they are ``asked`` for, and the run recorded none.
     """
     kinds = {name.removesuffix(".csv"): read(results) for name, (_, read) in TABLES.items()}
     found = {kind: histories for kind, histories in kinds.items() if histories}
     if asked and not found:
-        words = "[[output.point]], [[output.joint]], [[output.crack]] and [[output.support]] ask for them"
-        raise InputError("gauges", f"the run kept none; {words}")
+        words = "[[output.point]], [[output.joint]], [[output.crack]] or [[output.support]]"
+        raise InputError("gauges", f"the run recorded no gauges; add {words} to its scene and run it again")
     return found
 
 
@@ -117,7 +117,7 @@ def curves_figure(
         every, few = max(1, len(x) // POINTS), len(x) <= FEW
         look = {"marker": "x" if few else "", "ls": "none" if few else "-", "color": COLOURS[k % len(COLOURS)], "lw": 1.3, "label": name}
         axes.plot(along_x * x[::every], along_y * y[::every], **look)
-    plain_axes(axes, up, across)
+    format_axes(axes, up, across)
     axes.axhline(0.0, color=FAINT, lw=0.6)
     count = len(curves) + len(measured) + len(points)
     if count > 1:
@@ -140,7 +140,7 @@ def gauges_figure(gauges: Mapping[str, Mapping[str, History]], title: str = "") 
         for k, (name, columns) in enumerate(gauges[kind].items()):
             every = max(1, len(columns["time"]) // POINTS)
             axes.plot(columns["time"][::every], columns[column][::every], color=COLOURS[k % len(COLOURS)], lw=1.0, label=name)
-        plain_axes(axes, f"{column}\n[{unit_of_column(column)}]", "time [s]" if axes is grid[-1] else "")
+        format_axes(axes, f"{column}\n[{unit_of_column(column)}]", "time [s]" if axes is grid[-1] else "")
         axes.ticklabel_format(axis="y", useOffset=False)
         axes.legend(frameon=False, fontsize=7, loc="upper right", title=WORDS[kind], title_fontsize=7)
     if title:
@@ -164,7 +164,7 @@ def read_measured(path: Path) -> list[Curve]:
     try:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(path, f"no measured curve can be read: {in_a_line(reason)}") from None
+        raise InputError(path, f"the measured curve cannot be read: {in_a_line(reason)}") from None
     head = [cell.strip().lower() for cell in rows[0]] if rows and not all(finite_number(cell) is not None for cell in rows[0]) else []
     places = [next((head.index(name) for name in names if name in head), k) for k, names in enumerate(MEASURED)]
     values: list[list[float]] = []
@@ -173,9 +173,9 @@ def read_measured(path: Path) -> list[Curve]:
             continue
         found = [finite_number(row[place]) if place < len(row) else None for place in places]
         if None in found:
-            raise InputError(f"{path}:{number}", "displacement [m] and force [N] are expected, two numbers")
+            raise InputError(f"{path}:{number}", "the line must have two numbers, displacement [m] and force [N]")
         values.append([float(value or 0.0) for value in found])
     if not values:
-        raise InputError(path, "no measured curve: no line with two numbers")
+        raise InputError(path, "has no measured curve: no line has two numbers")
     table = np.array(values)
     return [(path.stem, table[:, 0], table[:, 1])]

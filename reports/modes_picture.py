@@ -13,7 +13,7 @@ from masonry_cd.analysis.modal.modes import Modes
 from masonry_cd.analysis.modal.shapes import RigidShapes, Skin
 from masonry_cd.foundation.extras import require
 from masonry_cd.mechanics.model.blocks import Block
-from reports.drawing.figure import INK, save, triad
+from reports.drawing.figure import INK, draw_triad, save
 from reports.drawing.palette import DISPLACED, PARTED, REST, SUPPORT
 from reports.drawing.parts import BEHIND, Layer, Lines, Surface, painted, view_named
 from reports.drawing.plots import DPI, sheet
@@ -27,7 +27,7 @@ LIFT = 1.5e-3  # of edges before the skin, as a share of the picture's height
 METHOD = {"continuum": "bonded elastic continuum", "joints": "rigid blocks on elastic joints"}
 
 
-def modes_picture(
+def draw_modes(
     modes: Modes, blocks: Sequence[Block], path: Path, title: str, captions: Sequence[str] = (), most: int = 6, view: str = "isometric"
 ) -> None:
     """Draw the first modes of a model into a PNG, each with a further line where ``captions`` has one, such as the measured frequency.
@@ -59,7 +59,7 @@ def modes_picture(
         more = captions[k] if k < len(captions) else ""
         words = f"{k + 1}   {modes.frequencies[k]:.4g} Hz   mass  {share}\n{more}"
         axes.set_title(words, fontsize=11, color=INK, loc="left")
-    triad(panels[0], looking, (60, 60), 40.0)
+    draw_triad(panels[0], looking, (60, 60), 40.0)
     bar = figure.colorbar(ScalarMappable(cmap=DISPLACED), ax=panels, location="bottom", fraction=0.02, aspect=40, ticks=(0.0, 0.5, 1.0))
     bar.set_label("displacement over the largest of the mode", color=INK)
     save(figure, path)

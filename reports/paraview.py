@@ -73,7 +73,7 @@ def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thr
         InputError: a format that is neither ``vtkhdf`` nor ``pvd``.
     """
     if form not in ("vtkhdf", "pvd"):
-        raise InputError("--format", f'"{form}" is none; formats: vtkhdf, pvd')
+        raise InputError("--format", f'"{form}" is not a format; choose vtkhdf or pvd')
     folder.mkdir(parents=True, exist_ok=True)
     write = _write_vtkhdf if form == "vtkhdf" else _write_pvd
     meshes = [_blocks(results, thresholds or Thresholds())]

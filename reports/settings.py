@@ -36,9 +36,9 @@ def _outputs_by_name(schema: dict[str, Any]) -> None:
 def _words(value: object) -> object:
     """A line of text."""
     if not isinstance(value, str):
-        raise ValueError('should be a text, "..."')
+        raise ValueError('should be a string, "..."')
     if not value.strip() or len(value) > LONGEST_WORDS or any(ord(letter) < 32 for letter in value):
-        raise ValueError(f"should be one line of 1 to {LONGEST_WORDS} letters")
+        raise ValueError(f"should be one line of 1 to {LONGEST_WORDS} characters")
     return value.strip()
 
 
@@ -48,7 +48,7 @@ Words = Annotated[str, BeforeValidator(_words), Field(min_length=1, max_length=L
 
 
 class Report(Table):
-    """The table ``[report]``: what is drawn after the run. An output without a field here is asked for by its name, see
+    """The table ``[report]``: what is drawn after the run. An output without a field here is requested by its name, see
     :mod:`reports.files`."""
 
     model_config = ConfigDict(extra="allow", json_schema_extra=_outputs_by_name)
@@ -66,7 +66,7 @@ class Report(Table):
     vector: Flag = False
     """Draw crack_map.svg and crack_map.pdf, in which blocks and joints are polygons that print sharp at any size."""
     view: Literal["auto", "front", "back", "side", "left", "top", "isometric"] = "auto"
-    """From where."""
+    """View of the picture."""
     scale: Annotated[Number, Field(gt=0)] | None = None
     """Amplification of the displacements in it; picked so that they are visible when not given."""
     opened: Annotated[Number, Unit("m"), Field(gt=0)] = 1e-4
@@ -78,7 +78,7 @@ class Report(Table):
     grades: Annotated[dict[str, Any], Field(json_schema_extra=table_of_its_own(Grades))] = Field(default_factory=dict)
     """Thresholds and labels of the grades D0 to D5; checked by the package reports."""
     largest: Annotated[Number, Unit("m"), Field(gt=0)] = 0.05
-    """Where the last class of the crack map's colours begins."""
+    """Lower bound of the last class of colours of the crack map."""
     cut: str = ""
     """Plane by which the crack map is cut: "y=1.5", in m, "y=150 cm", or "y" for the middle."""
     thrust: Flag = False

@@ -10,12 +10,12 @@ from scipy.signal import welch
 
 from masonry_cd.analysis.modal.ambient import AmbientRecord, Identification
 from reports.drawing.figure import FAINT, INK, save
-from reports.drawing.plots import PALE, colour, legend, sheet
+from reports.drawing.plots import PALE, add_legend, colour, sheet
 
 LINES = 100  # of the spectrum between 0 and the lowest frequency and as wide up to the highest, at most
 
 
-def stabilisation_picture(found: Identification, record: AmbientRecord, path: Path, title: str) -> None:
+def draw_stabilisation(found: Identification, record: AmbientRecord, path: Path, title: str) -> None:
     """Draw the stabilisation diagram of a record into a PNG.
 
     Raises:
@@ -43,5 +43,5 @@ def stabilisation_picture(found: Identification, record: AmbientRecord, path: Pa
             f"{k}", (mode.frequency, 1.0), (0, 3), xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", color=INK
         )
     axes.set(xlim=found.band, xlabel="frequency [Hz]", ylabel="order of the model", ylim=(0, 2 * found.orders + 2))
-    legend(axes, 3)
+    add_legend(axes, 3)
     save(figure, path)

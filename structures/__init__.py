@@ -2,8 +2,8 @@
 """Structures: from the [structure] table of a scene to checked blocks. Several of them, [[structures]], are put side by side by
 :mod:`structures.site`.
 
-Each kind is a module of :mod:`structures.kinds` that ends with its ``KIND`` (:mod:`structures.kind`), goes by the module's name, and is
-imported when it is asked for. Its ``build(table, density, folder)`` returns the blocks, or, where it has changed something in making them,
+Each kind is a module of :mod:`structures.kinds` that ends with its ``KIND`` (:mod:`structures.kind`), has the module's name, and is
+imported on first use. Its ``build(table, density, folder)`` returns the blocks, or, where it has changed something in making them,
 the blocks and lines on that; a bridge returns its fill as well.
 Whatever a kind builds passes :mod:`structures.geometry.checks` before it is returned, and :mod:`structures.summary` says what it is.
 """
@@ -114,7 +114,7 @@ def kind_of(name: str, folder: Path | None = None) -> StructureKind:
         folder: of the scene; without it no file is looked for.
 
     Raises:
-        InputError: no such kind, or one that is no function.
+        InputError: no such kind, or one that is not a function.
     """
     from masonry_cd.foundation.errors import InputError
     from masonry_cd.foundation.plugins import find
@@ -125,7 +125,7 @@ def kind_of(name: str, folder: Path | None = None) -> StructureKind:
         return found
     build = getattr(found, "build", found)
     if not callable(build):
-        raise InputError("structure.kind", f'"{name}" is no function build(table, density, folder)')
+        raise InputError("structure.kind", f'"{name}" is not a function build(table, density, folder)')
     return StructureKind(build, getattr(sys.modules.get(build.__module__), f"{name.capitalize()}Table", None))
 
 

@@ -76,7 +76,7 @@ class SlabTable(Table):
 
     thickness: Thickness = Field()
     mass: ArealMass
-    """with what it carries, over its own plan"""
+    """mass with what it carries, over its own plan"""
     span: Annotated[float, Unit("degrees")] | None = Field(None, ge=-360.0, le=360.0)
     """direction in which it spans, from the x axis; of the walls named only those across it then bear it"""
     strips: int = Field(1, ge=1, le=100)
@@ -99,7 +99,7 @@ class FloorTable(SlabTable):
     inside: tuple[Place, Place] | None = Field(None, strict=False)
     """a point [x, y] between its walls; by default the middle of the walls"""
     name: str | None = Field(None, max_length=80)
-    """of its block and group; by default floor1, floor2 ..."""
+    """name of its block and group; by default floor1, floor2 ..."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,8 +95,8 @@ def _stones(faces: Sequence[FillFace], borne: set[str], assembly: Assembly, fill
     heel = min(float((corners[b] @ out).min()) for b in blocks)
     begin, end = min(float((corners[b] @ along).min()) for b in blocks), max(float((corners[b] @ along).max()) for b in blocks)
     for b, own in corners.items():
-        beside = begin < float((own @ along).max()) and float((own @ along).min()) < end
-        on = beside and float(own[:, 2].min()) >= fill.level - SAME and heel < float(assembly.centre[b] @ out) < toe
+        alongside = begin < float((own @ along).max()) and float((own @ along).min()) < end
+        on = alongside and float(own[:, 2].min()) >= fill.level - SAME and heel < float(assembly.centre[b] @ out) < toe
         blocks += [b] if on and assembly.names[b] not in borne else []
     return _Stones(
         np.array([(corners[b] @ along).min() for b in blocks]), np.array([(corners[b] @ along).max() for b in blocks]),

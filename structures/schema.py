@@ -56,7 +56,7 @@ class OpeningTable(Table):
     height: WallHeight = 2.0
     """clear, from the sill to the crown of the intrados"""
     head: HeadShape = "lintel"
-    """what closes it at the top"""
+    """shape of its head"""
     depth: Length | None = None
     """of the lintel or of the arch; by default a course or a fifth of the width"""
     rise: Length | None = None

@@ -61,7 +61,7 @@ class PlaceTable(Table):
     name: str = Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)
     """of letters and digits, put before its blocks and groups"""
     at: Annotated[Vector, Unit("m"), AfterValidator(_near), WithJsonSchema(_POINT)] = (0.0, 0.0, 0.0)
-    """where its origin lies"""
+    """position of its origin"""
     rotate: Annotated[float, Unit("degrees")] = Field(0.0, ge=-360.0, le=360.0)
     """about the upright axis through its origin, counter-clockwise seen from above"""
 
@@ -248,7 +248,7 @@ def _on_its_part(blocks: Sequence[Block], planes: Sequence[tuple[np.ndarray, flo
 
 
 def _drawn_out(ground: Block, whole: Extent) -> Block | None:
-    """A ground over the whole plan (2, 2) [m]; None where it is no upright prism with a level top."""
+    """A ground over the whole plan (2, 2) [m]; None where it is not an upright prism with a level top."""
     z = ground.vertices[:, 2]
     low, high = float(z.min()), float(z.max())
     if not np.all((z == low) | (z == high)):

@@ -31,7 +31,7 @@ def limited(most: object) -> Iterator[None]:
     """Set the limit for what is built in the body.
 
     Raises:
-        InputError: it is no whole number above zero.
+        InputError: it is not a whole number above zero.
     """
     from masonry_cd.foundation.errors import InputError
 
@@ -44,7 +44,7 @@ def limited(most: object) -> Iterator[None]:
         _most.reset(before)
 
 
-def at_most(count: int, most: int, what: str) -> None:
+def check_count(count: int, most: int, what: str) -> None:
     """Refuse more of something than are built in a while.
 
     Args:
@@ -61,7 +61,7 @@ def at_most(count: int, most: int, what: str) -> None:
         raise InputError(what, f"{count}, at most {most} are allowed")
 
 
-def within(estimate: float, key: str) -> None:
+def check_size(estimate: float, key: str) -> None:
     """Refuse a structure of too many blocks.
 
     Args:

@@ -35,7 +35,7 @@ class Standing:
     """How the blocks of a structure hold one another at rest."""
 
     contacts: ContactSet
-    pieces: int  # with a free block in them that is no sphere
+    pieces: int  # with a free block in them that is not a sphere
     loose: tuple[str, ...]  # names of free blocks that touch nothing
     hanging: tuple[str, ...]  # of free blocks that nothing pushes upwards, the loose ones apart
     adrift: tuple[str, ...]  # of free blocks in pieces of two blocks or more without a support
@@ -86,7 +86,7 @@ def standing(assembly: Assembly) -> Standing:
 
 
 def _side(assembly: Assembly, contacts: ContactSet, touching: np.ndarray, hanging: int) -> str:
-    """The axis that should point upwards where so many of the touching blocks (B,) hang; empty where none would do better."""
+    """The axis that should point upwards where many of the touching blocks (B,) hang; empty where none would do better."""
     if not hanging or not assembly.fixed.any() or _stands_on_supports(assembly, touching, (0, 0, 1)):
         return ""
     most = min(hanging - 1, int(FEW * touching.sum()))

@@ -42,7 +42,7 @@ AXES = {"x": 0, "y": 1}
 GRID = 12  # points along the side of a plate
 FLUSH = 0.25  # of a plate's side: faces that stand back by more are not under it
 LEAST = 0.5  # of a plate has to lie on the wall: what hangs over bends and bears nothing
-NUDGE = 1e-7  # [m]: a line in a joint is asked for this much lower
+NUDGE = 1e-7  # [m]: a line in a joint is evaluated this much lower
 MOST = 500  # ties of a table
 SIDE = Usual(3e-4, 0.6, "from strips of 0.3 mm to beams of 0.6 m", LENGTHS)
 SPACING = Usual(0.1, 30.0, "ties and anchors are 0.3 to 10 m apart", LENGTHS)
@@ -52,7 +52,7 @@ class LineTable(Table):
     """The keys of ties that say where they lie, and on what they hold."""
 
     along: Literal["x", "y"]
-    """the axis that it lies along"""
+    """axis along which it lies"""
     height: Annotated[Place, HIGH]
     """z of its line, in the coordinates of the structure"""
     at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1)
@@ -86,11 +86,11 @@ class TieRowTable(LineTable):
     """One entry ``[[structure.ties]]``."""
 
     diameter: Annotated[Length, DIAMETER] | None = None
-    """of its section"""
+    """diameter of its section"""
     area: Area | None = None
-    """or the area of its section"""
+    """area of its section, instead of a diameter"""
     section: tuple[Annotated[Length, SIDE], Annotated[Length, SIDE]] | None = Field(None, strict=False)
-    """or width and depth of its section"""
+    """width and depth of its section, instead of a diameter"""
     yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
     """at which it yields, or its anchorage does; by default never"""
     tension: Annotated[float, Unit("N"), TENSION] = Field(0.0, ge=0.0)
@@ -118,7 +118,7 @@ class TieRowTable(LineTable):
 class PlacedBar(NamedTuple):
     """A tie between two blocks, or one of the bars that it is spread over."""
 
-    where: str  # the table that asked for it
+    where: str  # the table that requests it
     blocks: tuple[str, str]
     points: np.ndarray  # (2, 3) [m]
     keys: Mapping[str, Any]  # name, area, modulus, tension, yield_force, damping, from_start, as a load of kind "tie" takes them
@@ -220,7 +220,7 @@ class ConvexSolids:
         found = np.array([fnmatchcase(block.name, name) or fnmatchcase(block.group, name) for block in self.blocks])
         if not found.any():
             groups = list(dict.fromkeys(block.group for block in self.blocks))
-            raise InputError(where, f'"{name}" is no group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
+            raise InputError(where, f'"{name}" is not a group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
         return found
 
 

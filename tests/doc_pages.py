@@ -148,7 +148,7 @@ class Reader:
         with mock.patch.object(Stepper, "step", step), mock.patch.object(sys, "argv", ["masonry-cd", *begin]):
             result = masonry_cd(*begin, "--force")
         assert result.exit_code == 130, result.output
-        assert f"go on with: masonry-cd {shlex.join(words[:4])}" in result.output
+        assert f"continue with: masonry-cd {shlex.join(words[:4])}" in result.output
 
     def shortened(self, words: list[str]) -> list[str]:
         """A command that takes no longer than it must."""

@@ -74,7 +74,7 @@ def free_volume(blocks: Sequence[Block]) -> float:
 
 
 def exposed(blocks: Sequence[Block], assembly: Assembly, joints: Joints) -> float:
-    """Surface of the free blocks that is no joint [m2]."""
+    """Surface of the free blocks that is not a joint [m2]."""
     surface = 0.0
     for block in blocks:
         for face in () if block.fixed else block.faces:

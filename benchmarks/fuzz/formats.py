@@ -94,9 +94,9 @@ def blocks(nursery: Path) -> Iterator[tuple[str, str, dict[str, bytes]]]:
     }  # fmt: skip
     for name, content in made.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    beside = {"boxes.gltf": ("boxes.bin",), "BODIES.DAT": ("DRV_DOF.DAT", "BULK_BEHAV.DAT")}
+    companions = {"boxes.gltf": ("boxes.bin",), "BODIES.DAT": ("DRV_DOF.DAT", "BULK_BEHAV.DAT")}
     for name in (*made, "boxes.gltf", "boxes.glb", "boxes.3mf", "BODIES.DAT"):
-        files = {own: (folder / own).read_bytes() for own in (name, *beside.get(name, ()))}
+        files = {own: (folder / own).read_bytes() for own in (name, *companions.get(name, ()))}
         stated = "" if name.endswith(("3mf", "gltf", "glb")) else 'units = "m"\nup = "z"\n'
         stated += "thickness = 0.5\n" if name == "elevation.dxf" else ""
         scene = texts.scene(structure=f'kind = "file"\npath = "{name}"\n{stated}fixed = {{ below = 0.9 }}\nrepair = true')

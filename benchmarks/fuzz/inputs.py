@@ -59,7 +59,7 @@ TEXT_CHANGES = (TOKENS, TOKENS, LINES, BYTES)
 
 
 def subjects(nursery: Path, kind: str = "") -> list[Subject]:
-    """All of them; what has to be made by the program or by a library is made in a folder, where a kind that is asked for needs it."""
+    """All of them; what has to be made by the program or by a library is made in a folder, where a kind that is requested needs it."""
     blocks = {"blocks.json": texts.blocks()}
     found = [*_scenes(blocks), *_structures(), *_studies(blocks), *_records(blocks), *_measured(blocks), _set_texts(blocks)]
     found.append(

@@ -11,7 +11,7 @@ LONGEST = 1000  # characters of a line that a person reads
 SECONDS = 30.0  # of processor time
 MEMORY = 2e9  # resident [B], where what reads foreign files may have twice as many addresses
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
-STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
+STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: continue with: .*|.*finishing the step.*")
 FAULT = re.compile(
     r"(walls?|legs|opening|vault|roof|columns|arcade|buttress) |\S+:\d+: structure\.|\S+\.(json|dxf|ifc): |and \d+ more faults$"
 )  # of a plan or a block, all at once

@@ -21,8 +21,8 @@ def blocks() -> bytes:
     halves = [cuboid((-0.4, -0.3, 0.4), (0.0, 0.3, 0.8)), cuboid((0.0, -0.3, 0.4), (0.4, 0.3, 0.8))]
     top = cuboid((-0.4, -0.3, 0.4), (0.4, 0.3, 0.8), name="top", group="stone", parts=halves)
     plate = cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0), name="plate", group="base", fixed=True)
-    beside = cuboid((2.5, -1.0, -0.5), (3.5, 1.0, 0.0), name="plate2", group="base", fixed=True)
-    return json.dumps({"units": "m", "blocks": [plate, below, top, beside]}, indent=1).encode()
+    second = cuboid((2.5, -1.0, -0.5), (3.5, 1.0, 0.0), name="plate2", group="base", fixed=True)
+    return json.dumps({"units": "m", "blocks": [plate, below, top, second]}, indent=1).encode()
 
 
 SINE = """[[loads]]

@@ -45,7 +45,7 @@ FINE = 700  # of those by which the match is judged: within 1 % of a period a sp
 TURNS = 60
 DRAWS = 6
 MARGIN = 0.95  # of the tolerance, at those periods
-SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside the range asked for stands out
+SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside the requested range stands out
 FADE = 0.5  # [s] at both ends
 LONGEST_MOTION = 600.0  # [s]: drawing 100 s takes 8 s
 
@@ -62,7 +62,7 @@ class SpectrumMatch(SiteSpectrum):
     period: Span | None = None
     """T1 of the structure: the spectrum is met from 0.2 to 2 T1."""
     periods: Annotated[tuple[float, float] | None, Unit("s"), between("seconds", 0.0199, 4.0)] = None
-    """Or the range in which it is met, [from, to]; 0.15 to 2 when not given."""
+    """Range of periods in which it is met, [from, to]; 0.15 to 2 when not given."""
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10
     """Tolerance of the ratio of the spectrum to its target."""
     rise: Span = 2.0
@@ -112,7 +112,7 @@ class SpectrumMatch(SiteSpectrum):
         return [f"{where} artificial, {origin} {how}: {describe(numbers)}", f"{where}   {in_words(numbers)}"]
 
     def doubts(self, processed: Processed, where: str) -> list[str]:
-        """None: it is as it was asked for."""
+        """None: the motion is as requested."""
         return []
 
 

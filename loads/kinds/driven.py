@@ -56,11 +56,11 @@ class GuidedKeys(BaseModel):
     face: Faces | None = None
     """Their outermost face on that side: of those blocks that reach it, its middle is moved, instead of the centre of mass."""
     point: Annotated[Vector | None, Unit("m")] = None
-    """Or the point that is moved, as built, of a single block."""
+    """Point that is moved, as built, of a single block."""
     rotation: Literal["free", "held"] = "free"
     """Rotation of the blocks: "held" for double bending, or a beam that is kept level."""
     name: str | None = None
-    """In tables and plots; that of the blocks when not given."""
+    """Name in tables and plots; that of the blocks when not given."""
 
     def check_place(self) -> None:
         """Refuse two places at once.

@@ -21,7 +21,7 @@ class GravityTable(LoadTable):
 
     kind: Literal["gravity"] = "gravity"
     ramp: Instant = 0.0
-    """Time in which gravity smoothly comes to its full value."""
+    """Time in which gravity smoothly rises to its full value."""
 
 
 def gravity(table: GravityTable, grid: RunGrid, where: str) -> LoadAction:

@@ -50,11 +50,11 @@ class MotionTable(LoadTable):
     path: str | None = None
     """A table (CSV): a column of times, and one for each support and component with its unit, e.g. "pier1.z [mm]"."""
     time: Annotated[Numbers | None, Unit("s")] = None
-    """Or the times themselves, which increase."""
+    """Increasing times, instead of a time step."""
     displacement: Annotated[Numbers | None, Unit("m"), SETTLED, MOVED[0]] = None
     """At these times, along the direction."""
     velocity: Annotated[Numbers | None, Unit("m/s")] = None
-    """Or the velocity along it, straight between the times."""
+    """Velocity along the direction, instead of a displacement, straight between the times."""
     rotation: Annotated[Numbers | None, Unit("degrees")] = None
     """Angle at these times, about the axis."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
@@ -66,7 +66,7 @@ class MotionTable(LoadTable):
     start: Instant = 0.0
     """When the history begins."""
     duration: Span | None = None
-    """How long the run takes for it; as long as the history itself when not given."""
+    """Duration in the run; that of the history itself when not given."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -51,7 +51,7 @@ class PointLoadTable(LoadTable):
     stages: Numbers | None = None
     """Shares of the force that are reached one after the other, 1 being all of it, e.g. [0.5, 1, 0, 1.5]."""
     hold: Instant = 0.0
-    """How long each stage but the last is held."""
+    """Time for which each stage but the last is held."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -35,9 +35,9 @@ class PulseTable(LoadTable):
     direction: DirectionKey
     """Axis, vector or angle from x towards y along which it acts on every block."""
     acceleration: Annotated[float, Unit("m/s2"), BLOW]
-    """Its peak."""
+    """Peak of the acceleration."""
     duration: Span
-    """How long it lasts."""
+    """Duration of the pulse."""
     shape: Literal["half-sine", "rectangle", "sine", "cosine"] = "half-sine"
     """History of its acceleration."""
     start: Instant = 0.0

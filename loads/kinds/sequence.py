@@ -63,7 +63,7 @@ class SequenceTable(ShakingTable):
 
     kind: Literal["sequence"] = "sequence"
     shocks: Annotated[list[ShockTable], Field(min_length=1)]
-    """In their order in time."""
+    """Shocks in their order in time."""
     rest: Annotated[float | str, Unit("s"), BeforeValidator(_rest)] = "still"
     """After each shock, or "still": until the structure is."""
     longest_rest: Span = 20.0
@@ -71,7 +71,7 @@ class SequenceTable(ShakingTable):
     still: Annotated[Positive, Unit("m/s")] = 1e-3
     """Speed below which a block counts as still."""
     hold: Span = 0.5
-    """How long all blocks have to be still."""
+    """Time for which all blocks must be at rest."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,7 +55,7 @@ class SpreadingTable(LoadTable):
     start: Instant = 0.0
     """When they begin to move."""
     duration: Span
-    """How long they move."""
+    """Duration of the motion."""
 
 
 class SettlementTable(SpreadingTable):
@@ -67,7 +67,7 @@ class SettlementTable(SpreadingTable):
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
     """Axis, vector or level angle from x to y along which they move."""
     displacement: Annotated[float, Unit("m"), SETTLED, *MOVED]
-    """How far they move."""
+    """Displacement of the supports."""
 
 
 def settlement(table: SettlementTable, grid: RunGrid, where: str) -> LoadAction:

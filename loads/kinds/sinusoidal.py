@@ -3,7 +3,7 @@
 
 The load of parametric studies on masonry churches (Clementi et al. 2018). The velocity, not the acceleration, is a sine, so it starts from
 zero without a jump and every whole cycle brings the base back to where it was. The acceleration starts at 2 pi f C at once; the
-envelope e, when a ramp is asked for, rises from 0 to 1 and falls again by the smooth step 3 x^2 - 2 x^3 over the ramp at either end,
+envelope e, when a ramp is requested, rises from 0 to 1 and falls again by the smooth step 3 x^2 - 2 x^3 over the ramp at either end,
 inside the duration.
 
 A duration that ends inside a half cycle would leave the base moving. Without a ramp the motion then goes on to the next zero of the
@@ -43,9 +43,9 @@ class SinusoidalTable(ShakingTable):
     frequency: Annotated[Positive, Unit("Hz")]
     """f."""
     cycles: Positive | None = None
-    """How many; give cycles or duration."""
+    """Number of cycles; give cycles or duration."""
     duration: Span | None = None
-    """How long, instead of cycles."""
+    """Duration, instead of cycles."""
     ramp: Instant = 0.0
     """Smooth rise and fall of the amplitude at either end."""
 

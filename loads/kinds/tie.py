@@ -41,11 +41,11 @@ class TieTable(LoadTable):
     blocks: Annotated[tuple[str, str], BeforeValidator(two_blocks)]
     """Names of the two blocks."""
     points: Annotated[tuple[Vector, Vector] | None, Unit("m"), BeforeValidator(_ends)] = None
-    """Its ends, as built; the centres of mass when not given."""
+    """Its two end points as built; the centres of mass when not given."""
     diameter: Annotated[Positive, Unit("m"), DIAMETER] | None = None
     """Diameter of its section."""
     area: Annotated[Positive, Unit("m2"), SECTION] | None = None
-    """Or the area of its section."""
+    """Area of its section, instead of a diameter."""
     modulus: Annotated[Positive, Unit("Pa"), TIE_MODULUS] = 2.1e11
     """Young's modulus, by default that of steel."""
     tension: Annotated[float, Unit("N"), TENSION, Field(ge=0.0)] = 0.0
@@ -53,9 +53,9 @@ class TieTable(LoadTable):
     yield_force: Annotated[Positive, Unit("N"), YIELDING] | None = None
     """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given."""
     from_start: Flag = False
-    """There while elastic joints take up the weight, so that its stretch then counts; else it keeps its tension meanwhile, as by a jack."""
+    """Stretch the tie while elastic joints take up the weight; otherwise it keeps its tension meanwhile, as under a jack."""
     name: str | None = None
-    """For reports; the names of its blocks when not given."""
+    """Name in reports; the names of its blocks when not given."""
     damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02
     """Share of the critical damping."""
 

@@ -45,7 +45,7 @@ class TiltTable(LoadTable):
 
     kind: Literal["tilt"] = "tilt"
     direction: DirectionKey | None = None
-    """To which the structure leans."""
+    """Direction in which the structure leans."""
     axis: DirectionKey | None = None
     """Or: about which gravity turns, by the right-hand rule."""
     rate: Annotated[Positive, Unit("degrees/s")]

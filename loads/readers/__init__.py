@@ -21,7 +21,7 @@ READERS: Entries[Reader] = Entries("loads.readers", "FORMATS")
 
 
 class _Names:
-    """The formats in the schema of the key, which is asked for seldom: modules of readers are imported then."""
+    """The formats in the schema of the key, which is rarely needed: modules of readers are imported then."""
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
         return {"enum": ["auto", *sorted(READERS)], "type": "string"}

@@ -73,12 +73,12 @@ def fixed(source: Source, first: int, count: int, fields: Fields, last: bool = F
         if index == after - 1 and line[here * fields.width :].strip():
             raise source.error(f"the header announces {count} values, more follow: longer than it says", index)
     more = next((index for index in range(after, len(source.lines)) if source.lines[index].strip()), None)
-    if last and more is not None and numbers_alone(source.lines[more]):
+    if last and more is not None and has_only_numbers(source.lines[more]):
         raise source.error(f"the header announces {count} values, more follow: longer than it says", more)
     return np.array(values), after
 
 
-def numbers_alone(line: str) -> bool:
+def has_only_numbers(line: str) -> bool:
     """Return True if a line holds numbers and nothing else."""
     try:
         return bool([float(word) for word in line.split()])
@@ -119,13 +119,13 @@ def read(source: Source, request: Request) -> RawRecord:
 def _found(source: Source) -> _Found | None:
     """The format, where the numbers begin, and the steps."""
     lines = [line[:LONGEST] for line in source.lines[:HEADING]]
-    index = next((k for k, line in enumerate(lines) if FORMAT.search(line) and not numbers_alone(line)), None)
+    index = next((k for k, line in enumerate(lines) if FORMAT.search(line) and not has_only_numbers(line)), None)
     fields = NONE if index is None else fields_of(lines[index], NONE)
     if index is None or fields == NONE:
         return None
     first = next((k for k in range(index + 1, len(source.lines)) if source.lines[k].strip()), None)
     steps = firm(source.lines[:first])
-    if first is None or not steps or not numbers_alone(source.lines[first][: fields.width]):
+    if first is None or not steps or not has_only_numbers(source.lines[first][: fields.width]):
         return None
     return _Found(fields, first, steps)
 

@@ -45,7 +45,7 @@ def _components(source: Source) -> list[Channel]:
         reals, first = fixed(source, after, REALS, FIELDS)
         counts, step = integers[COUNTS].astype(np.int64), float(reals[INTERVAL])
         if counts[0] < 2 or (counts < 0).any():
-            raise source.error(f"{counts[0]} accelerations are announced, which is no record", at + TEXT + 3)
+            raise source.error(f"{counts[0]} accelerations are announced, which is not a record", at + TEXT + 3)
         if step <= 0.0:
             raise source.error(f"the interval of the samples must be above zero, got {step:g}", after + 2)
         name = component(AXIS.sub("", source.lines[at + NAME_LINE].partition("omponent")[2]))

@@ -75,7 +75,7 @@ def _decompressed(source: Source, first: int, end: int) -> np.ndarray:
         for letter in source.lines[index].strip():
             bits = VALUE.get(letter)
             if bits is None:
-                raise source.error(f'"{letter}" is no character of CM6', index)
+                raise source.error(f'"{letter}" is not a character of CM6', index)
             if inside:
                 number = number * (LATER + 1) + (bits & LATER)
             else:

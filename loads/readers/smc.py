@@ -46,7 +46,7 @@ def read(source: Source, request: Request) -> RawRecord:
     if timed and count % 2:
         raise source.error(f"{count} numbers are announced, where times and values alternate", TEXT)
     if count < 2 or comments < 0:
-        raise source.error(f"{count} values and {comments} comments are announced, which is no record", TEXT)
+        raise source.error(f"{count} values and {comments} comments are announced, which is not a record", TEXT)
     name = next((component(found[1]) for line in source.lines[:TEXT] if (found := NAME.search(line))), "")
     first, stated = first + comments, Stated(quantity, "line 1", firm=True)
     fields = _fields(source, first, count)

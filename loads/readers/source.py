@@ -51,7 +51,7 @@ class Source:
         text = _decoded(data)
         if text is None:
             if skip:
-                raise InputError(label, "the key skip does not apply to a file that is no text")
+                raise InputError(label, "the key skip does not apply to a file that is not text")
             return cls(label, (), data)
         lines = tuple(FORTRAN.sub(r"\1E\2", text).splitlines())
         if not any(line.strip() for line in lines[skip:]):

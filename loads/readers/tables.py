@@ -20,7 +20,7 @@ from loads.readers.quantity import Stated, named, of_comments, of_spoken_channel
 from loads.readers.rates import agree, firm, unrounded
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source
 from loads.readers.units import TIME, declared_unit, measured_by, split_heading
-from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
+from loads.readers.wrapped import FEWEST_ROWS, advances, filled, is_in_reading_order, paired, times_of
 from masonry_cd.foundation.errors import suggest
 from masonry_cd.foundation.fields import finite_number
 
@@ -223,12 +223,12 @@ def _refuse_two_ways(source: Source, layout: ColumnLayout, table: np.ndarray, ti
     titled = [c for c, heading in enumerate(layout.headings) if split_heading(heading)[1] or named(heading) or _names_time(heading)]
     if len(titled) == layout.width or layout.width < 2:  # fewer: a line of text that happens to have as many words
         return
-    if not times and in_reading_order(table):
+    if not times and is_in_reading_order(table):
         raise source.error(
             f"{table.shape[1]} columns that could be one series, {table.shape[1]} values a line; the key layout decides: "
             f'"series" reads it in reading order, {by_columns}'
         )
-    if times in ([0], [table.shape[1] - 1]) and table.shape[1] > 2 and in_reading_order(np.delete(table, times[0], axis=1)):
+    if times in ([0], [table.shape[1] - 1]) and table.shape[1] > 2 and is_in_reading_order(np.delete(table, times[0], axis=1)):
         where = "behind the times" if times == [0] else "before the numbers of the lines"
         what = "its time at the head of each line" if times == [0] else f"{table.shape[1] - 1} values a line"
         raise source.error(

@@ -35,7 +35,7 @@ def times_of(table: np.ndarray) -> list[int]:
     return [c for c in range(table.shape[1]) if advances(table[:, c])]
 
 
-def in_reading_order(table: np.ndarray) -> bool:
+def is_in_reading_order(table: np.ndarray) -> bool:
     """Return True if the numbers of a table (n, w) could be one series in reading order."""
     rows, width = table.shape
     if rows < FEWEST_ROWS or width < 2 or not np.isfinite(table).all():

@@ -3,8 +3,8 @@
 
     read (units) -> accelerations -> window -> mean off, taper -> resampling -> band-pass -> integration -> baseline correction
 
-Steps that are not asked for are left out. The mean is taken off only where a taper or a band-pass would turn an offset of the instrument
-into a pulse, and not when the baseline is to be left as it is. Integration is exact (``loads.signal.baseline``).
+Steps that the scene does not request are left out. The mean is taken off only where a taper or a band-pass would turn an offset of the
+instrument into a pulse, and not when the baseline is to be left as it is. Integration is exact (``loads.signal.baseline``).
 """
 
 from __future__ import annotations
@@ -96,9 +96,9 @@ class Accelerogram(BaseModel):
     window: Annotated[tuple[float, float] | None, Unit("s"), between("seconds of the record")] = None
     """Part of the record to use, [from, to], in its own time."""
     taper: Instant = 0.0
-    """Over which the acceleration rises and falls at the ends of the window."""
+    """Length over which the acceleration rises and falls at the ends of the window."""
     resample: Resampling = None
-    """To this time step, or to that of the "run", without aliasing."""
+    """Time step to resample to, or "run" for that of the run, without aliasing."""
     band: Annotated[tuple[float, float] | None, Unit("Hz"), between("Hz", 0.0)] = None
     """Corners of a zero-phase Butterworth band-pass, [from, to]."""
     band_order: Annotated[int, Field(ge=1, le=8)] = 4
@@ -126,7 +126,7 @@ class Processed:
 
     @cached_property
     def about_mean(self) -> GroundHistory:
-        """The window as it was read, without its mean: instruments and digitisers have an offset, which is no motion."""
+        """The window as it was read, without its mean: instruments and digitisers have an offset, which is not a motion."""
         values = self.before.acceleration
         return integrate(values - values.mean(), self.before.step)
 
@@ -163,7 +163,7 @@ class Scaled(BaseModel):
     scale: float | None = None
     """Factor on the motion."""
     target_pga: Annotated[Positive, Unit("m/s2"), PEAK] | None = None
-    """Or the peak acceleration wanted."""
+    """Peak acceleration to scale to, instead of a factor."""
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:

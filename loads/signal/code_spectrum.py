@@ -53,7 +53,7 @@ class SiteSpectrum(_AllKeys):
         """The keys with the files read that they name, relative to a folder; ``where`` is their place.
 
         Raises:
-            InputError: a file that is no such table.
+            InputError: a file that is not such a table.
         """
         if self.spectrum is None or self.of_kind.read is None:
             return self

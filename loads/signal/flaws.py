@@ -63,8 +63,8 @@ def flat_tops(values: np.ndarray) -> list[int]:
     for side in (values, -values):
         top = float(side.max())
         for first, last in _runs(side >= top - level):
-            beside = side[[k for k in (first - 1, last) if 0 <= k < len(side)]]
-            if last - first >= FLAT and len(beside) == 2 and (top - beside > within).all():
+            neighbours = side[[k for k in (first - 1, last) if 0 <= k < len(side)]]
+            if last - first >= FLAT and len(neighbours) == 2 and (top - neighbours > within).all():
                 found.append(first)
     return sorted(found)
 

@@ -190,7 +190,7 @@ class MeasureFamily:
     needed: int = 0  # of these numbers
 
     def usage(self, name: str) -> str:
-        """How it is asked for; brackets around what may be left out."""
+        """How it is written; brackets around what may be left out."""
         needed = ", ".join(self.numbers[: self.needed])
         rest = ", ".join(self.numbers[self.needed :])
         if not needed:
@@ -287,6 +287,6 @@ def _numbers(inside: str | None, text: str, where: str) -> list[float]:
     for word in inside.split(",") if inside and inside.strip() else ():
         number = finite_number(word)
         if number is None:
-            raise InputError(where, f'"{word.strip()}" of "{text}" is no number')
+            raise InputError(where, f'"{word.strip()}" of "{text}" is not a number')
         found.append(number)
     return found

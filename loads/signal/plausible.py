@@ -19,13 +19,13 @@ SLOW = 0.1  # step [s]; networks sample at 0.02 s and below
 END_SHARE = 0.02  # of the samples, at either end
 REST = 1e-3  # of the PGA: an end value below it is rest, one as close to the PGA is that of a pulse
 SHOWN = 3  # times of flaws in a line
-SHAKING = 0.1  # of the PGA: a root mean square at an end above it is no rest
+SHAKING = 0.1  # of the PGA: a root mean square at an end above it is not at rest
 
 
 def doubts(processed: Processed, correction: str, where: str) -> list[str]:
     """Lines on a record as it is used, and on what its correction did."""
     lines = [*_slow(processed, where), *_cut_off(processed, where), *_flawed(processed, where)]
-    return [*lines, *_made_anew(processed, correction, where), *_keeps_offset(processed, correction, where)]
+    return [*lines, *_changed_by_correction(processed, correction, where), *_keeps_offset(processed, correction, where)]
 
 
 def _cut_off(processed: Processed, where: str) -> list[str]:
@@ -51,7 +51,7 @@ def _flawed(processed: Processed, where: str) -> list[str]:
         lines.append(
             f"{where} {_many(len(spikes), 'spike')} at {_times(spikes.tolist(), processed)} set{'s' * (len(spikes) == 1)} its PGA of "
             f"{np.abs(values).max():.4g} m/s2, which is {peak:.4g} without: correct the file, or leave it out by window; scale and "
-            "target_pga go by the PGA"
+            "target_pga use the PGA"
         )
     tops = flaws.flat_tops(values)
     if tops:
@@ -84,7 +84,7 @@ def _is_of_pulse(end: float, peak: float) -> bool:
     return end <= REST * peak or end >= (1.0 - REST) * peak
 
 
-def _made_anew(processed: Processed, correction: str, where: str) -> list[str]:
+def _changed_by_correction(processed: Processed, correction: str, where: str) -> list[str]:
     """Doubt a correction of the baseline that changes what it should leave alone: other than the offset that is a mean."""
     if correction == "none":
         return []

@@ -2,7 +2,7 @@
 r"""From the series of a file to accelerations: which quantity it is, in which unit, and its derivative where it is another.
 
 File and user have to agree. What the file says first is its unit, then its heading; a channel code or a comment is a hint, which the key
-``quantity`` overrules. A series that is no acceleration is differentiated only where that key asks for it. Nothing is guessed.
+``quantity`` overrules. A series that is not an acceleration is differentiated only where that key asks for it. Nothing is guessed.
 
 **Derivative.** The samples are taken for those of a quintic spline, whose slope at the knots is
 
@@ -147,6 +147,6 @@ def _size(raw: RawRecord, quantity: str, units: str | None, where: str, path: st
         raise InputError(f"{where}.units", f'"{units}", but {path} says "{raw.unit}"; leave the key out or correct the file')
     found = given or written
     if found is None:
-        says = f'says "{raw.unit}", which is no known unit' if raw.unit else "does not name its unit"
+        says = f'says "{raw.unit}", which is not a known unit' if raw.unit else "does not name its unit"
         raise InputError(f"{where}.units", f"missing, and {path} {says}; give one of {', '.join(UNITS[quantity])}")
     return found[1]

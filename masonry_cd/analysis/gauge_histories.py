@@ -24,7 +24,7 @@ def unit_of_column(name: str) -> str:
 
 
 def point_histories(results: Results) -> dict[str, History]:
-    """Displacement, velocity and acceleration of each point by its name: time, ux .. az, relative to the base where it is asked for so.
+    """Displacement, velocity and acceleration of each point by its name: time, ux .. az, relative to the base where the scene says so.
 
     The acceleration of a step is the change of velocity in it over its length.
     """

@@ -4,7 +4,7 @@ r"""Sets of records whose spectra have a given mean and standard deviation (Jaya
 Of candidate k, d_k(T) = ln Sa_k(T) - ln Sa_target(T) at m periods, to which a factor f adds ln f. A set of n has at each period the sample
 mean m(T) and the sample standard deviation s(T) of d + ln f, and the misfit
 
-    E = sum_T m(T)^2  +  w sum_T ( s(T) - sigma(T) )^2,        w = 0 where no sigma is asked for.
+    E = sum_T m(T)^2  +  w sum_T ( s(T) - sigma(T) )^2,        w = 0 where no sigma is requested.
 
 Simulate    n spectra of the normal distribution of mean 0, deviation sigma and the correlation of Baker & Jayaram (2008), as a Latin
             hypercube; the best of TRIALS such sets, by E. Without sigma all n are the target itself.
@@ -87,7 +87,7 @@ def choose(pool: Pool, count: int, seed: int) -> RecordSet:
 
     Args:
         pool: of which ``count`` may be members together.
-        count: members, two or more where a standard deviation is asked for.
+        count: members, two or more where a standard deviation is requested.
         seed: of the simulation and of the sets drawn.
     """
     random = np.random.default_rng(seed)

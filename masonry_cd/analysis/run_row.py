@@ -15,7 +15,7 @@ class RunRow:
     """A run: how it ended, and its numbers. In JSON the numbers stand next to the other keys."""
 
     status: str = ""  # one of STATES; empty of a run that is still to be made
-    reason: str = ""  # why it is no data
+    reason: str = ""  # why it has no result
     seconds: float = 0.0  # of the clock
     worker: str = ""
     numbers: Mapping[str, Any] = field(default_factory=dict)  # by the columns of runs.csv or assess.csv; None where it has none
@@ -44,8 +44,8 @@ class RunRow:
         return kept | dict(self.numbers) | {name: value for name, value in own.items() if value}
 
 
-def row_of(found: Mapping[str, Any], beside: tuple[str, ...] = ()) -> RunRow:
-    """A row from its JSON; the keys ``beside`` are no part of it.
+def row_of(found: Mapping[str, Any], excluded: tuple[str, ...] = ()) -> RunRow:
+    """A row from its JSON; the keys ``excluded`` are not part of it.
 
     Raises:
         TypeError: it is none.
@@ -53,7 +53,7 @@ def row_of(found: Mapping[str, Any], beside: tuple[str, ...] = ()) -> RunRow:
     own = {name: value for name, value in found.items() if name in _FIELDS}
     if own.get("status") not in (*STATES, None) or not isinstance(own.get("reason", ""), str):
         raise TypeError("no row of a run")
-    return RunRow(**own, numbers={name: value for name, value in found.items() if name not in (*_FIELDS, *beside)})
+    return RunRow(**own, numbers={name: value for name, value in found.items() if name not in (*_FIELDS, *excluded)})
 
 
 _FIELDS = tuple(one.name for one in fields(RunRow))

@@ -19,7 +19,7 @@ NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
 class Verdict:
     """The outcome of a run, an assessment or a check, how sure it is, and why."""
 
-    grade: str  # D1, "D2 to D4", satisfied, "not graded"; empty where none was asked for
+    grade: str  # D1, "D2 to D4", satisfied, "not graded"; empty where none was requested
     means: str  # the grade as text; empty where it says all
     because: str  # what gives the grade, with its numbers
     sure: str  # good, look, doubtful or unknown

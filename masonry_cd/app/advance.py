@@ -41,7 +41,7 @@ class Advance:
     @classmethod
     def of(cls, stepper: Stepper, steps: int, frame_every: int, pauses: Pauses | None, events: Events | None = None) -> Advance:
         """From the beginning of a run."""
-        return cls(stepper, steps, frame_every, pauses, AdaptiveSteps(stepper) if stepper.settings.adaptive else None, events)
+        return cls(stepper, steps, frame_every, pauses, AdaptiveSteps(stepper) if stepper.settings.is_adaptive else None, events)
 
     @property
     def done(self) -> bool:
@@ -72,7 +72,7 @@ class Advance:
     def go_on(self) -> None:
         """Have all that leads the steps go on with a model that has changed."""
         if self.pace is not None:
-            self.pace.begin_anew()
+            self.pace.restart()
         if self.pauses is not None:
             self.pauses.watch(self.stepper.assembly)
 

@@ -67,9 +67,9 @@ class Ambient:
         frequencies, shapes = [mode.frequency for mode in modes], [mode.shape for mode in modes]
         write_rows(folder / "ambient.csv", shape_rows(frequencies, self.record.names, self.record.points, shapes))
         if picture:
-            from reports.stabilisation import stabilisation_picture
+            from reports.stabilisation import draw_stabilisation
 
-            stabilisation_picture(self.found, self.record, folder / "stabilisation.png", title)
+            draw_stabilisation(self.found, self.record, folder / "stabilisation.png", title)
 
 
 def ambient_of(path: Path | None, sensors: Path | None, modes: int, band: tuple[float | None, float | None]) -> Ambient | None:

@@ -48,7 +48,7 @@ def _crushed_at_rest(case: Case) -> InputError | None:
     from masonry_cd.app.limit_structure import limit_structure
     from masonry_cd.app.limit_table import limit_table
 
-    try:  # what limit analysis does not know is no fault of the run
+    try:  # what limit analysis does not know is not a fault of the run
         built = limit_structure(case.scene)
         problem, _ = at_rest(built.assembly, built.joints, built.loads(limit_table({"push": "x"})).at())
     except InputError:

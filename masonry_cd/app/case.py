@@ -247,7 +247,7 @@ def prepare(scene: Scene, structure: BuiltStructure | None = None, own: Sequence
 
             outputs.check(scene.report, structure.blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly, run = structure.assembly, scene.run
-        longest = run.longest_step if run.adaptive else None
+        longest = run.longest_step if run.is_adaptive else None
         ties = [(bar.where, bar.load()) for bar in structure.bars]
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties, own, structure.fills)
         plane = _plane(assembly, loading, run)
@@ -352,7 +352,7 @@ def _timed(scene: Scene, structure: BuiltStructure) -> tuple[Scene, list[str]]:
     """
     import loads
 
-    if scene.run.timed:
+    if scene.run.has_duration:
         return scene, []
     with scene.locating():
         end, rest = loads.end_of(scene.loads, scene.run.dt, scene.run.gravity, scene.folder, structure.assembly, structure.fills)

@@ -171,7 +171,7 @@ def _with_blocks(assembly: Assembly, change: Change, where: str) -> Assembly:
         _keep_footings(chosen, assembly, f"{where}.release")
         loose = np.flatnonzero(chosen & ~np.array([block.fixed for block in assembly.blocks]))
         if len(loose):
-            raise InputError(f"{where}.release", f'"{assembly.names[loose[0]]}" is no support')
+            raise InputError(f"{where}.release", f'"{assembly.names[loose[0]]}" is not a support')
         fixed = assembly.fixed & ~chosen
         assembly = replace(assembly, fixed=fixed, support_of=np.where(fixed, assembly.support_of, -1))
     return assembly
@@ -210,7 +210,7 @@ def _with_laws(assembly: Assembly, material: Material) -> Assembly:
     before, changed = assembly.laws, assembly.with_laws(material)
     laws = changed.laws
     laws = replace(laws, retardation=np.where(laws.at_first_period > 0.0, before.retardation, laws.retardation))
-    if not _of_one_kind(before, laws):
+    if not _are_of_one_kind(before, laws):
         raise InputError(
             "material.joints",
             "makes joints of another kind: those that are rigid, elastic or bonded, can soften or crush or have more points, stay so; "
@@ -219,7 +219,7 @@ def _with_laws(assembly: Assembly, material: Material) -> Assembly:
     return replace(changed, laws=laws)
 
 
-def _of_one_kind(before: JointLaws, after: JointLaws) -> bool:
+def _are_of_one_kind(before: JointLaws, after: JointLaws) -> bool:
     """True where the joints that are elastic, have bonds, can soften or can crush are the same, with as many points each."""
     kinds = ((laws.elastic, laws.apex > 0.0, laws.fracture > 0.0, laws.crushing > 0.0, laws.points) for laws in (before, after))
     return all(np.array_equal(one, other) for one, other in zip(*kinds, strict=True))

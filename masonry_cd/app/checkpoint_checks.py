@@ -69,21 +69,21 @@ def check_content(
     peaks = stored.part("peaks")
     for name in (*JOINT_PEAKS, "_area"):
         peaks.real(name, joints, finite=name != "first_opening_time")
-    peaks.nothing_else()
+    peaks.check_all_read()
     _check_step_peaks(stored.part("step_peaks"), kept)
     if kept.rest:
         rest = stored.part("rest")
         for measure in fields(JointMeasures):
             rest.real(measure.name, joints)
-        rest.nothing_else()
+        rest.check_all_read()
     if kept.stress:
         check_sums(stored.part("stress"), stepper.assembly.count, joints, elements_of(stepper.system.strains))
-    if stepper.settings.adaptive:
+    if stepper.settings.is_adaptive:
         AdaptiveSteps(stepper).check(stored.part("pace"))
-    stored.nothing_else()
+    stored.check_all_read()
     steps = int(arrays["steps"][0])
     if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):
-        raise InputError("counts other steps than the results next to it hold", "it cannot be resumed")
+        raise InputError("counts other steps than the results next to it", "the run cannot be resumed")
 
 
 def _check_step_peaks(stored: Stored, kept: KeptArrays) -> None:
@@ -92,4 +92,4 @@ def _check_step_peaks(stored: Stored, kept: KeptArrays) -> None:
         values = stored.real(name, *shape, finite=name not in UNKNOWN)
         if np.isinf(values).any():
             stored.refuse(name, "not finite")
-    stored.nothing_else()
+    stored.check_all_read()

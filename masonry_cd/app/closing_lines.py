@@ -25,7 +25,7 @@ NOT_THE_LEAST = (
 
 def announced(settings: Run) -> str:
     """The steps that a run is about to make."""
-    if settings.adaptive:
+    if settings.is_adaptive:
         return f"{settings.steps * settings.dt:g} s in steps of {length(settings.dt, 's')} to {length(settings.longest_step, 's')}"
     return f"{settings.steps} steps of {settings.dt:g} s"
 
@@ -134,7 +134,7 @@ def _bracket_line(bracket: LimitBracket) -> str:
         wedged = "the blocks are wedged, and what friction on their faces bears beyond that is the solver's choice"
         return f"limit analysis: {least:.4g}, the least found without dilation, and none with it that is finite: {wedged}"
     if bracket.one:
-        return f"limit analysis: {upper:.4g}; how joints slide makes no difference here"
+        return f"limit analysis: {upper:.4g}; dilation of sliding joints makes no difference here"
     return f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"
 
 
@@ -171,7 +171,7 @@ def _acted_lines(s: Summary) -> list[str]:
 def part_lines(parts: Sequence[PartInShort]) -> list[str]:
     """The grade and mechanism of each part in a line, for the terminal; the structure first, then the gravest, the undamaged counted."""
     whole, rows = parts[-1], sorted(parts[:-1], key=lambda row: row.grade, reverse=True)
-    damaged, sound = [row for row in rows if not _sound(row)], [row for row in rows if _sound(row)]
+    damaged, sound = [row for row in rows if not _is_sound(row)], [row for row in rows if _is_sound(row)]
     graded = whole.grade != NOT_GRADED
     wide = len("grade") if graded else len(NOT_GRADED)
     lines = [] if graded else [f"{NOT_GRADED}: {whole.grade_reason}"]
@@ -186,10 +186,10 @@ def part_lines(parts: Sequence[PartInShort]) -> list[str]:
     if sound:
         label = f"{NAMES[0]}, {sound[0].grade_label}" if graded else "no joint opened or slid"
         lines.append(f"{len(sound)} of {len(rows)} parts: {label}")
-    return [*lines, *([f"grades, mechanisms and what is left are {whole.provisional}"] if whole.provisional else [])]
+    return [*lines, *([f"grades, mechanisms and residual values are {whole.provisional}"] if whole.provisional else [])]
 
 
-def _sound(row: PartInShort) -> bool:
+def _is_sound(row: PartInShort) -> bool:
     """True for a part that is undamaged: by its grade, or where it has none by what is left."""
     if row.grade != NOT_GRADED:
         return row.grade == NAMES[0]
@@ -216,7 +216,7 @@ def _balance(energy: Energy) -> str:
     """How the balance closed: as a share of the largest work, in joules where there was none to speak of; and what lifted blocks."""
     if energy.at_rest:
         return f"{energy.balance_max:.1e} J; no work was done beyond what the tolerance of the steps leaves"
-    lift = f"; taking overlaps away lifted blocks by {100 * energy.lift_share:.2g} % of it besides" if energy.lift_share >= REPORTED else ""
+    lift = f"; taking overlaps away lifted blocks by {100 * energy.lift_share:.2g} % of it as well" if energy.lift_share >= REPORTED else ""
     return f"{energy.balance_error:.1e} of the largest work done{lift}"
 
 

@@ -18,7 +18,7 @@ from masonry_cd.foundation.errors import InputError
 
 
 def usual_kinds() -> list[SceneKind]:
-    """Rigid blocks and such as strain uniformly, in a plane and in space, with and without joint laws that go by area; and spheres."""
+    """Rigid blocks and such as strain uniformly, in a plane and in space, with and without joint laws per area; and spheres."""
     found = [SceneKind("auto", planar, by_area) for planar in (True, False) for by_area in (False, True)]
     found += [SceneKind("auto", planar, True, strained=strained) for planar, strained in ((True, 3), (False, 6))]
     found += [SceneKind("auto", planar, True, stress=True) for planar in (True, False)]

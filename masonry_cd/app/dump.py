@@ -20,12 +20,12 @@ def parse_steps(words: Sequence[str]) -> tuple[int, ...]:
     """Steps given as ``120`` or ``120,121``, in order and each once; the first step of a run is 1.
 
     Raises:
-        InputError: something that is no step.
+        InputError: something that is not a step.
     """
     found = set()
     for word in (part.strip() for text in words for part in text.split(",")):
         if not word.isascii() or not word.isdigit() or len(word) > 9 or int(word) < 1:
-            raise InputError("--dump-problem", f'"{word}" is no step; the first is 1')
+            raise InputError("--dump-problem", f'"{word}" is not a step; the first is 1')
         found.add(int(word))
     return tuple(sorted(found))
 

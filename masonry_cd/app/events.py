@@ -54,14 +54,14 @@ class Condition(Table):
     """The value that a gauge has to pass, ``when = { gauge = "crown", quantity = "z", below = -0.01 }``."""
 
     gauge: str
-    """Its name: of a point, joint, crack or support of [output], of a push by displacement or a prop."""
+    """Name of a point, joint, crack or support of [output], of a push by displacement or a prop."""
     quantity: str
     """x, y, z of points, cracks and supports; opening, sliding, normal_force, shear_force of joints; force, moment, displacement of pushes
     and props."""
     above: Number | None = None
     """The event comes once the quantity is more than this, in SI units."""
     below: Number | None = None
-    """Or less than this."""
+    """The event comes once the quantity is less than this."""
 
     @model_validator(mode="after")
     def _one_bound(self) -> Self:
@@ -69,7 +69,7 @@ class Condition(Table):
             raise ValueError("give exactly one of above and below")
         return self
 
-    def met(self, value: float) -> bool:
+    def is_met(self, value: float) -> bool:
         """True where a value has passed the bound."""
         return value > self.above if self.above is not None else value < (self.below or 0.0)
 
@@ -170,7 +170,7 @@ def find_condition(condition: Condition, gauges: Gauges, joints: Joints, where: 
     names = [one.name for _, one in every]
     if not found:
         listed = f"gauges: {', '.join(names)}" if names else "[[output.point]] with a name makes one"
-        raise InputError(f"{where}.when.gauge", f'"{condition.gauge}" is no gauge{suggest(condition.gauge, names)}; {listed}')
+        raise InputError(f"{where}.when.gauge", f'"{condition.gauge}" is not a gauge{suggest(condition.gauge, names)}; {listed}')
     kind, one = found[0]
     if condition.quantity not in QUANTITIES[kind]:
         raise InputError(f"{where}.when.quantity", f'"{condition.quantity}" is none of {", ".join(QUANTITIES[kind])}, which this gauge has')
@@ -248,7 +248,7 @@ class Events:
         for number, looked in self.looked.items():
             condition = self.tables[number].when
             there = absent is None or not absent[list(looked.blocks)].any()
-            if number not in made and there and condition is not None and condition.met(self._value(number, looked, now)):
+            if number not in made and there and condition is not None and condition.is_met(self._value(number, looked, now)):
                 self.met.append(number)
 
     def _value(self, number: int, looked: Looked, now: JointMeasures) -> float:

@@ -2,8 +2,8 @@
 """Supports that stand on ground: footings on springs, and below each a support that moves as the loads prescribe for it.
 
 A support becomes a free block, the footing, and a slab of its plan below its base takes its place, NAME.soil; loads that name the support
-move that slab. The slab of a tower, wall, church or column, on which what topples comes to lie, is no footing: one is cut out of it below
-what stands on it, and the slab goes down by its own depth.
+move that slab. The slab of a tower, wall, church or column, on which what topples comes to lie, is not a footing: one is cut out of it
+below what stands on it, and the slab goes down by its own depth.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ class LimitStructure:
     joints: Joints
 
     @property
-    def upright(self) -> bool:
+    def is_upright(self) -> bool:
         """True where gravity acts along -z."""
         x, y, z = self.scene.run.gravity
         return z < 0.0 and x == y == 0.0

@@ -82,7 +82,7 @@ class CurveTable(Table):
     control: Annotated[str, Field(min_length=1)] | None = None
     """Block whose centre of mass is followed along the load; the one that moves fastest when not given."""
     steps: Annotated[Count, Field(ge=10, le=400)] = 40
-    """From start to end, about."""
+    """Approximate number of steps from start to end."""
     displacement: Annotated[float, Unit("m"), Field(gt=0.0)] | None = None
     """Displacement of the control block, at which to stop; where the factor vanishes when not given."""
 
@@ -91,7 +91,7 @@ class RatingTable(Table):
     """The table ``[limit.rating]``: the axle loads that a bridge bears with the load factor asked, vehicle by vehicle."""
 
     factor: Annotated[float, Field(gt=0.0)]
-    """Load factor that is asked of every vehicle, all partial factors on its load and on its dynamic effect together."""
+    """Load factor that is required of every vehicle, all partial factors on its load and on its dynamic effect together."""
     vehicles: Annotated[tuple[VehicleName, ...], Field(strict=False, min_length=1)] | None = None
     """Vehicles by name; all of them when not given, and that of the scene if it has axles of its own."""
 
@@ -102,7 +102,7 @@ class ServiceTable(Table):
     factor: Annotated[float, Field(gt=0.0)] = 1.0
     """Load factor of the vehicle in service, which both are to reach."""
     stress: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
-    """Share of the compressive strength that joints bear in service at most; stresses are not looked at when not given."""
+    """Share of the compressive strength that joints bear in service at most; stresses are not checked when not given."""
 
 
 class LimitTable(Table):
@@ -137,7 +137,7 @@ class LimitTable(Table):
     """Check of a bridge under a vehicle in service: the load factors at which joints have to open, and stresses pass a share of the
     strength."""
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = ()
-    """Macro-elements to look at, each with all else held, [[limit.mechanism]] each."""
+    """Macro-elements to analyse, each with all other blocks held, [[limit.mechanism]] each."""
 
     @field_validator("live", "masses", mode="before")
     @classmethod

@@ -119,13 +119,13 @@ def limit_bracket(case: Case) -> LimitBracket | None:
         return None
     if plane_of(assembly, loads.at()) is None and interfaces(assembly, case.joints, None).count > FEW_POINTS:
         return None
-    if loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any()):
+    if loads.kind == "tilt" and not (loads.has_only_gravity and not assembly.laws.apex.any()):
         return None
     try:
         found = analyse(assembly, case.joints, loads.at(), LimitOptions(starts=STARTS, seed=scene.run.seed))
     except InputError:  # the run stands for itself: it needs no factor of limit analysis
         return None
-    if not found.stands or found.endless:
+    if not found.stands or found.is_endless:
         return None
     least, upper = found.least, None if found.unlimited else found.associated.factor
     return LimitBracket(least_found=None if least is None else least.optimum.factor, associated=upper)

@@ -21,7 +21,7 @@ class MeasuredJoints:
 
     def __init__(self, stepper: Stepper, joints: Joints, changes: bool) -> None:
         self._stepper, self._joints, self._absent = stepper, joints, stepper.assembly.absent
-        # what opened before the run, or before a block was put in, is no damage
+        # what opened before the run, or before a block was put in, is not damage
         self.rest = self._measured() if changes or settles(stepper.assembly) else None
 
     def restore(self, rest: JointMeasures) -> None:

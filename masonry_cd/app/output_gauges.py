@@ -40,7 +40,7 @@ def _block(name: str, assembly: Assembly, where: str) -> int:
             return group[0]
         if group:
             raise InputError(where, f'"{name}" is a group of {len(group)} blocks; give one of them, "{assembly.names[group[0]]}"')
-        raise InputError(where, f'"{name}" is no block{suggest(name, assembly.names)}')
+        raise InputError(where, f'"{name}" is not a block{suggest(name, assembly.names)}')
     return assembly.names.index(name)
 
 

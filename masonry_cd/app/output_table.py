@@ -20,15 +20,15 @@ class PointGaugeTable(Table):
     """``[[output.point]]``: how a point of a block moves."""
 
     block: str | None = None
-    """Its name; that on which the place lies when not given."""
+    """Name of the block; that on which the place lies when not given."""
     corner: str | None = None
     """Corner of the block that is outermost in some directions: "+x+z", "-x+y-z"."""
     place: Place | None = None
-    """Or the point, as built; the centre of mass of the block when neither is given."""
+    """The point as built; the centre of mass of the block when neither is given."""
     relative: Flag = True
-    """To the support that moves least; false for displacements in the world."""
+    """Displacements relative to the support that moves least; false for displacements in the world."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
-    """In tables and plots."""
+    """Name in tables and plots."""
 
     @field_validator("corner")
     @classmethod
@@ -52,9 +52,9 @@ class JointTable(Table):
     blocks: tuple[str, str] | None = Field(None, strict=False)
     """The two blocks that it joins."""
     place: Place | None = None
-    """Or a place: the joint whose centre is the nearest."""
+    """A place, instead of blocks: the joint whose centre is the nearest."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
-    """In tables and plots."""
+    """Name in tables and plots."""
 
     @model_validator(mode="after")
     def _one_place(self) -> JointTable:
@@ -67,11 +67,11 @@ class CrackTable(Table):
     """``[[output.crack]]``: a crack gauge between two points of two blocks."""
 
     points: Annotated[tuple[Vector, Vector], Unit("m")] = Field(strict=False)
-    """Its ends, as built, each on a block of its own."""
+    """Its two end points as built, each on its own block."""
     blocks: tuple[str, str] | None = Field(None, strict=False)
     """The blocks on which they are, where the places alone do not say it."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
-    """In tables and plots."""
+    """Name in tables and plots."""
 
 
 class SupportGaugeTable(Table):
@@ -80,7 +80,7 @@ class SupportGaugeTable(Table):
     block: str
     """Its name."""
     name: Annotated[str, Field(min_length=1, max_length=60)] | None = None
-    """In tables and plots."""
+    """Name in tables and plots."""
 
 
 class OutputTable(Table):

@@ -33,7 +33,7 @@ class Progress:
         quiet: say nothing.
         stream: where to; standard error when not given.
         tick: of a run whose steps adapt [s]; None for one of fixed steps.
-        what: is counted, where it is no step.
+        what: is counted, where it is not a step.
     """
 
     def __init__(

@@ -44,7 +44,7 @@ NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
 
 
 class Recorder:
-    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints; where it is asked for, stress.
+    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints; where it is requested, stress.
 
     Args:
         writer: of the result file.
@@ -122,7 +122,7 @@ class Recorder:
         """The measures of the joints."""
         return self.measured.now()
 
-    def frame(self, now: JointMeasures) -> None:
+    def write_frame(self, now: JointMeasures) -> None:
         """Write the state and the joints."""
         rows, of_laws = frame_rows(self._stepper, self._joints, now, self._joint_of_pairs(), self._reported.fixed)
         self._writer.append(rows)
@@ -131,10 +131,10 @@ class Recorder:
             absent = self._stepper.assembly.absent
             self._writer.append({PRESENT: np.ones(self._stepper.assembly.count, dtype=bool) if absent is None else ~absent})
         if self.stress is not None:
-            self._stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
+            self._write_stress_frame(self.stress, of_laws.get(BONDED, np.zeros(self._joints.count)) > 0.0)
         self.frames += 1
 
-    def _stress_frame(self, stress: MeanStress, bonded: np.ndarray) -> None:
+    def _write_stress_frame(self, stress: MeanStress, bonded: np.ndarray) -> None:
         """Write the stress since the last frame; ``bonded`` (J,) are joints that carry tension."""
         force, moment = stress.joint_forces()
         edge = edge_stresses(self._joints, self._stepper.assembly, self._stepper.state, force, moment, bonded)
@@ -145,7 +145,7 @@ class Recorder:
             self._writer.append({name: values.astype(np.float32) for name, values in of_meshes.items()})
         stress.begin()
 
-    def shock(self, shock: Aftermath) -> None:
+    def write_shock(self, shock: Aftermath) -> None:
         """Write when a shock acted, the frame at the end of its rest, and the peaks of the joints so far."""
         self._writer.extend({f"shocks/{name}": rows for name, rows in self._aftermath(shock).items()})
 

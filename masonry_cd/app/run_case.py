@@ -98,17 +98,17 @@ def run_case(
     own_files.check(folder, names_of_run(), is_run)
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     stepper = stepper_of(case) if own is None else own.stepper
-    _fits(case, stepper, folder, resume)
+    _check_disk_space(case, stepper, folder, resume)
     if not resume:
         dumped.check(1, case.steps)
         if own is None:
             begin_run(stepper, case)
     events = _events_of(case, stepper, own)
     with locked(folder), Interrupt() as interrupt:
-        mended = ""
+        repaired = ""
         if resume:
             own_files.begin(folder, names_of_run(), is_run)
-            mended = _chosen(case, stepper, folder / RESULTS, saved, events)
+            repaired = _chosen(case, stepper, folder / RESULTS, saved, events)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
             _clear(folder)
@@ -122,7 +122,7 @@ def run_case(
                 timed_out=watch.timed_out,
                 dumped=tuple(path.name for path in dumped.written),
                 explanation=tuple(left_out(scene, stepper, report)),
-                warnings=(*([mended] if mended else []), *case.warnings, *dumped.warnings()),
+                warnings=(*([repaired] if repaired else []), *case.warnings, *dumped.warnings()),
             )
             if own is not None and own.note:
                 summary |= Summary(python=own.note)
@@ -181,7 +181,7 @@ def _steps(
 ) -> RunReport:
     """Make the steps of a run and write result.h5."""
     scene, settings = case.scene, case.scene.run
-    show = Progress(settings.steps, quiet, tick=settings.dt if settings.adaptive else None)
+    show = Progress(settings.steps, quiet, tick=settings.dt if settings.is_adaptive else None)
 
     def progress(done: int) -> None:
         show(done)
@@ -262,7 +262,7 @@ def _closing(case: Case, writer: ResultWriter, summary: Summary, since: float) -
     return summary
 
 
-def _fits(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
+def _check_disk_space(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
     """Refuse results that do not fit on the disc."""
     settings, file, meshes = case.scene.run, folder / RESULTS, Meshes.of(case.assembly, stepper.system.strains)
     of_meshes, frames = 0 if meshes is None else meshes.numbers, case.steps // settings.frame_every + 2
@@ -366,4 +366,4 @@ def _chosen(case: Case, stepper: Stepper, results: Path, saved: Path, events: Ev
             check_content(arrays, numbers, stepper, kept, events)
             require_rows(found, numbers["rows"], numbers["mark"])
 
-        return checkpoint.mend(saved, fits)
+        return checkpoint.repair(saved, fits)

@@ -69,7 +69,7 @@ def run(
     progress: Callable[[int], None] | None = None,
     checkpoints: Checkpoints | None = None,
 ) -> RunReport:
-    """Advance to a number of steps of the loads, ticks where the time step adapts, and write the results as they come.
+    """Advance to a number of steps of the loads, ticks where the time step adapts, and write the results as they arrive.
 
     A run that cannot go on, or whose ``progress`` raises KeyboardInterrupt, ends early: the report says why, and all frames so far
     are kept. Ctrl-C within a step is for the caller to hold back (:class:`masonry_cd.app.progress.Interrupt`): otherwise it ends the run
@@ -87,7 +87,7 @@ def run(
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
     pauses, save_to = plan.pauses, None if checkpoints is None else checkpoints.path
-    changes, shocks = plan.events is not None, pauses is not None and pauses.any_shocks
+    changes, shocks = plan.events is not None, pauses is not None and pauses.has_shocks
     recorder = Recorder(writer, stepper, joints, shocks, plan.stress, plan.gauges, plan.reported, changes)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
     advance = Advance.of(stepper, plan.steps, plan.frame_every, pauses, plan.events)
@@ -95,7 +95,7 @@ def run(
     if checkpoints is not None and checkpoints.resume:
         loop.resume(checkpoints.path)
     else:
-        recorder.frame(recorder.now())
+        recorder.write_frame(recorder.now())
         writer.flush()
     try:
         while stepper.load_step < plan.steps and not loop.report.stopped:
@@ -139,9 +139,9 @@ class _Loop:
         self._account(made.report, made.adapted)
         now = recorder.step(made.report, made.applied)
         if stepper.motion.ticks % self.advance.frame_every == 0 or self.advance.done or made.shock is not None:
-            recorder.frame(now)
+            recorder.write_frame(now)
         if made.shock is not None:
-            recorder.shock(_aftermath(made.shock, made.applied, stepper, recorder.frames - 1))
+            recorder.write_shock(_aftermath(made.shock, made.applied, stepper, recorder.frames - 1))
         if self.follow is not None:
             self.report.stopped = self.follow(self.advance, made)
 
@@ -151,7 +151,7 @@ class _Loop:
         self.report.look(step, stepper)
         self.report.add(step, stepper.settings.tolerance, stepper.energy, stepper.motion.span)
         if adapted is not None and self.pace is not None:
-            self.report.adapted(adapted, float(np.sqrt((self.pace.drift**2).sum(axis=1)).max(initial=0.0)))
+            self.report.note_adapted(adapted, float(np.sqrt((self.pace.drift**2).sum(axis=1)).max(initial=0.0)))
 
     def save_when_due(self) -> None:
         """Take a checkpoint if the last one is old enough."""

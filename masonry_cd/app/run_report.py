@@ -122,7 +122,7 @@ class RunReport:
             jam, self.closing_seen = find_jam(closing), closing.speed
             self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
 
-    def adapted(self, step: AdaptedStep, drift: float) -> None:
+    def note_adapted(self, step: AdaptedStep, drift: float) -> None:
         """Take in what choosing the length of a step took, and by how much the supports are off after it [m]."""
         self.spans[str(step.span)] = self.spans.get(str(step.span), 0) + 1
         self.repeated_error += step.repeated_error

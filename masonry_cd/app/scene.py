@@ -224,7 +224,7 @@ class Scene:
 
     @property
     def stress(self) -> bool:
-        """Return True if the run keeps stress: where a report is asked for, or a strength to compare it with is given."""
+        """Return True if the run keeps stress: where a report is requested, or a strength to compare it with is given."""
         return self.report.stress or self.material.compressive_strength is not None
 
     def refuse_static(self) -> None:
@@ -358,7 +358,7 @@ def _check_quiet(tables: Mapping[str, Any], quiet: Sequence[str]) -> None:
     keys = [key for key, _ in keys_of(tables)] if quiet else []
     for name in quiet:
         if not any(is_within(key, name) for key in keys):
-            raise InputError("quiet_checks", f'"{name}" is no key of the scene{suggest(name, keys)}')
+            raise InputError("quiet_checks", f'"{name}" is not a key of the scene{suggest(name, keys)}')
 
 
 def _check_structures(top: SceneTables, folder: Path) -> None:

@@ -56,7 +56,7 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
 
 
 def _hint(line: str) -> str:
-    """Guess what a line that is no TOML was meant to be; empty where that is not plain to see."""
+    """Guess what a line that is not TOML probably was to be; empty where that is not clear."""
     _, _, value = line.partition("=")
     return next((f" ({remedy})" for pattern, remedy in SLIPS if re.match(pattern, value.strip())), "")
 
@@ -116,7 +116,7 @@ def assign(tables: dict[str, Any], key: str, value: Any) -> None:
         else:
             raise InputError("", f"there is no {key[: key.rfind('.')]} in the scene")
     if not isinstance(here, dict):
-        raise InputError(key[: key.rfind(".")], "is no table; a list is addressed as loads[0].amplitude")
+        raise InputError(key[: key.rfind(".")], "is not a table; a list is addressed as loads[0].amplitude")
     here[str(parts[-1])] = value
 
 

@@ -33,7 +33,7 @@ def scene_in_si(tables: Mapping[str, Any], folder: Path | None = None) -> dict[s
     """The tables of a scene with the texts of all keys that have a unit as numbers; ``folder``: where kinds in files of Python are.
 
     Raises:
-        InputError: names the key whose text is no number in its unit.
+        InputError: names the key whose text is not a number in its unit.
     """
     made = dict(tables)
     for name, value in tables.items():

@@ -48,7 +48,7 @@ class StaticLoads:
     masses: PointMasses = field(default_factory=PointMasses.none)  # which a push moves next to the blocks
 
     @property
-    def only_gravity(self) -> bool:
+    def has_only_gravity(self) -> bool:
         """Return True if gravity alone is constant and nothing but friction resists: a tilt is then a push."""
         return not self.constant.any() and not len(self.bars.strength)
 
@@ -171,7 +171,9 @@ def _masses(points: Sequence[tuple[int, PointLoad]], direction: Direction | None
     for i, load in points:
         turns = load.moment is not None and load.moment.any()
         if float(load.force @ down) < (1.0 - LEVEL) * math.hypot(*load.force) * math.hypot(*down) or not load.force.any() or turns:
-            raise InputError("limit.masses", f"loads[{i}] is no weight: its force {load.force.tolist()} does not act along gravity alone")
+            raise InputError(
+                "limit.masses", f"loads[{i}] is not a weight: its force {load.force.tolist()} does not act along gravity alone"
+            )
     each = [load for _, load in points]
     mass = np.array([math.hypot(*load.force) for load in each]) / math.hypot(*down)
     return PointMasses(np.array([load.block for load in each]), np.array([load.arm for load in each]), mass)

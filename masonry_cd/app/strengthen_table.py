@@ -46,7 +46,7 @@ class PricesTable(Table):
     force_length: Price | None = None
     """Price of a tie per kN of its yield force and metre of its length, as its steel weighs; 1 where no price is given."""
     anchor: Price = 0.0
-    """Price of each of its two anchors."""
+    """Price of each of the two anchors of a tie."""
 
     @property
     def per_kn_m(self) -> float:
@@ -60,9 +60,9 @@ class StrengthenTable(Table):
     """The table ``[strengthen]``: the least ties that bring a structure to a load factor, for ``masonry-cd strengthen``."""
 
     factor: float | None = Field(None, gt=0.0, le=5.0)
-    """That every mechanism has to bear at least."""
+    """Load factor that every mechanism must reach."""
     zeta_E: float | None = Field(None, gt=0.0, le=10.0)
-    """Or: the share of the acceleration of [limit.check] that every mechanism has to bear at least, by accelerations."""
+    """The share of the acceleration of [limit.check] that every mechanism has to bear at least, by accelerations."""
     pushes: tuple[DirectionKey, ...] | None = Field(None, strict=False, min_length=1)
     """Directions in which the whole is pushed, ["y", "-y"]; by default that of the scene's push."""
     macro_elements: bool = False
@@ -70,7 +70,7 @@ class StrengthenTable(Table):
     ties: tuple[CandidateTable, ...] = Field((), strict=False)
     """Candidates, [[strengthen.ties]] each."""
     rules: tuple[Literal["floors", "roofs", "corners"], ...] = Field((), strict=False)
-    """Or candidates that the geometry gives: under floors, under roofs and vaults at their springing, along walls from corner to corner."""
+    """Candidates from the geometry: under floors, under roofs and vaults at their springing, along walls from corner to corner."""
     spacing: Annotated[Length, SPACING] = 4.0
     """Distance of the ties of rules."""
     plate: Length | None = None
@@ -78,11 +78,11 @@ class StrengthenTable(Table):
     yield_stress: Annotated[float, Unit("Pa")] = Field(235e6, gt=0.0, le=5e9)
     """f_y of bars without a yield force."""
     bars: tuple[BarTable, ...] = Field((), strict=False)
-    """That can be bought, [[strengthen.bars]] each; by default plain round ones of 12, 16, 20, 24, 28, 32, 36, 40 and 50 mm."""
+    """Available bars, [[strengthen.bars]] each; by default plain round ones of 12, 16, 20, 24, 28, 32, 36, 40 and 50 mm."""
     prices: PricesTable = PricesTable()
     """Prices of ties, [strengthen.prices]."""
     fewest: bool = False
-    """As few ties as can be, and of these the least cost."""
+    """The fewest ties possible, at the least cost."""
 
     @field_validator("rules")
     @classmethod
@@ -103,7 +103,7 @@ class StrengthenTable(Table):
 
     @property
     def target(self) -> float:
-        """The factor or zeta_E that is asked for."""
+        """The target factor or zeta_E."""
         return float(self.zeta_E if self.factor is None else self.factor)  # type: ignore[arg-type]  # one of them is given
 
     @property

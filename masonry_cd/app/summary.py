@@ -42,7 +42,7 @@ def run_summary(case: Case, report: RunReport) -> Summary:
         title=case.scene.title,
         version=__version__,
         **_of(report, Summary),
-        steps_asked=report.steps if settings.adaptive and not report.stopped else settings.steps,
+        steps_asked=report.steps if settings.is_adaptive and not report.stopped else settings.steps,
         duration=settings.steps * settings.dt,
         longest=case.steps * settings.dt,
         still=case.still,
@@ -68,7 +68,7 @@ def run_summary(case: Case, report: RunReport) -> Summary:
     found |= elasticity_left_out(case)
     if named is not None:
         found |= Summary(masonry=facts(named))
-    if settings.adaptive:
+    if settings.is_adaptive:
         found |= Summary(time_step=_time_step(settings, report, error_tolerance(settings, case.assembly)))
     return found
 

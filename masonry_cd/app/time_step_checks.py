@@ -119,8 +119,8 @@ def dominant_frequency(support_velocity: np.ndarray, step: float) -> float:
 def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | None:
     """Largest speed of a free block over the frames [m/s], the block, and when [s]; None without one.
 
-    Relative to the support that moves least: one that settles, or is shaken late, is no measure of the others. What has dropped below all
-    supports, off the edge of a floor, falls for ever and meets nothing any more: it counts as still.
+    Relative to the support that moves least: one that settles, or is shaken late, is not a measure of the others. What has dropped below
+    all supports, off the edge of a floor, falls for ever and meets nothing any more: it counts as still.
     """
     free = np.flatnonzero(~assembly.fixed)
     if not len(free) or not results.frames:

@@ -30,7 +30,7 @@ def until_still(scene: Scene, loading: Loading, still: float) -> Loading:
     """The loads, with a rest behind them where the run is to go on until its blocks are still.
 
     Raises:
-        InputError: that is asked for, and the base still moves when the duration ends.
+        InputError: that is requested, and the base still moves when the duration ends.
     """
     from loads.rest import base_moves_at_end, with_rest
 

@@ -77,7 +77,7 @@ class SceneKind:
 
     solver: str
     planar: bool
-    by_area: bool = False  # joint laws that go by area
+    by_area: bool = False  # joint laws per area
     stress: bool = False  # of blocks and joints as well
     strained: int = 0  # unknowns of a block beyond those of a rigid one
     spheres: bool = False
@@ -153,7 +153,7 @@ def compile_missing(kind: SceneKind) -> None:
         shake_cubes(kind)
     elif kind.solver != "auto":  # from elsewhere
         shake_cubes(kind, unsolved=True)
-        _errors(kind)
+        _measure_errors(kind)
     else:
         compile_jobs(kind, 0)
         compile_jobs(kind, 1)
@@ -173,13 +173,13 @@ def compile_jobs(kind: SceneKind, process: int) -> None:
         elif job == "step":
             shake_cubes(kind, unsolved=True)
         elif job == "errors":
-            _errors(kind)
+            _measure_errors(kind)
             islands.compile_kernels()
         else:
             SOLVERS[job](_falling_block(kind), UNREACHED, None)
 
 
-def _errors(kind: SceneKind) -> None:
+def _measure_errors(kind: SceneKind) -> None:
     """Measure errors."""
     problem, impulse = _falling_block(kind), np.zeros((1, 2 if kind.planar else 3))
     natural_map_error(problem, impulse)

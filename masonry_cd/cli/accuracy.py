@@ -18,14 +18,21 @@ def accuracy(
     output: Output,
     set_: Changes = None,
     solvers: Annotated[
-        str | None, typer.Option(metavar="NAMES", help=f"Of {','.join(SOLVERS)}, or of plug-ins.", show_default="all; of a scene its own")
+        str | None,
+        typer.Option(
+            metavar="NAMES", help=f"Solvers to measure: {','.join(SOLVERS)}, or those of plug-ins.", show_default="all; of a scene its own"
+        ),
     ] = None,
-    tolerances: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="To reach in each step.", show_default="a range")] = None,
+    tolerances: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Tolerances of each step.", show_default="a range")] = None,
     dts: Annotated[str | None, typer.Option(metavar="DT1,DT2,...", help="Time steps [s].", show_default="x 2, 1, 1/2")] = None,
-    repeats: Annotated[int | None, typer.Option(metavar="N", min=1, help="For median times.", show_default="5; of a scene 1")] = None,
-    duration: Annotated[float | None, typer.Option(metavar="SECONDS", help="Of a scene, to shorten it.", show_default="its own")] = None,
+    repeats: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Repetitions, for median times.", show_default="5; of a scene 1")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Duration of a scene, to shorten it.", show_default="its own")
+    ] = None,
     ensemble: Annotated[int | None, typer.Option(metavar="N", min=1, help="Judge a scene by N runs of each setting.")] = None,
-    workers: Annotated[int, typer.Option(metavar="N", min=1, help="Runs of an ensemble at a time.")] = 1,
+    workers: Annotated[int, typer.Option(metavar="N", min=1, help="Runs of an ensemble in parallel.")] = 1,
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
@@ -33,14 +40,14 @@ def accuracy(
     """Measure error against run time: of the solvers on a friction problem, or of a whole scene over time step and tolerance.
 
     DIR gets accuracy.csv, accuracy.md and accuracy.png, a work-precision diagram. Errors of a problem are
-    natural map errors, measured outside the solvers. Runs of a scene are compared with a run at half the smallest time step and the
-    tightest tolerance: displacements and joint openings, in the root mean square over blocks or joints, the largest over time, relative to
-    that of this finest run. What missed its tolerance is marked.
+    natural map errors, measured outside the solvers. Runs of a scene are compared with the finest run, at half the smallest time step and
+    the tightest tolerance: displacements and joint openings as the root mean square over blocks or joints, the largest over time, relative
+    to that of the finest run. Settings that missed their tolerance are marked.
 
     Under strong shaking single runs differ by chance. With --ensemble N each setting is run N times, with amplitudes that differ by 1e-9:
     medians and quartiles of openings, sliding, displacement and drift, whether they differ from those of the finest setting by more than
-    chance, and which setting is good enough. Time steps are then the scene's own unless given; members.csv has every run. Runs are kept as
-    they end: after a kill the same command goes on, and with a larger N it makes only the runs that are new.
+    chance, and which setting is good enough. Time steps are then the scene's own unless given; members.csv has every run. Finished
+    runs are kept: after a kill the same command continues, and with a larger N it makes only the new runs.
 
     \b
     Examples:

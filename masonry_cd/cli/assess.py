@@ -16,29 +16,31 @@ def assess(
     scene: SceneFile,
     output: Output,
     set_: Changes = None,
-    all_pairs: Annotated[bool, typer.Option("--all-pairs", help="Two levels of every two assumptions together as well.")] = False,
-    at_once: Annotated[
-        bool, typer.Option("--global", help="All properties of the structure varied at once as well, and the share of each in the answer.")
+    all_pairs: Annotated[
+        bool, typer.Option("--all-pairs", help="Also vary every pair of assumptions together, at two levels each.")
     ] = False,
-    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="all cores")] = None,
+    at_once: Annotated[
+        bool, typer.Option("--global", help="Also vary all properties of the structure together, and find the share of each in the answer.")
+    ] = False,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processes on this machine.", show_default="all cores")] = None,
     retry: Retry = False,
     plan: Planned = False,
-    report: Annotated[bool, typer.Option("--report", help="Write again what follows from the runs in DIR; make none.")] = False,
+    report: Annotated[bool, typer.Option("--report", help="Write the results again from the runs in DIR, without new runs.")] = False,
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
 ) -> Result[Any]:
-    """Vary each assumption of a scene by itself: which of them decides the answer, and which do not.
+    """Vary each assumption of a scene on its own, and rank them by their effect on the answer.
 
-    Varied are the stiffness of the joints, friction, the size of the blocks, their bond, damping, the points of elastic joints, the time
-    step and the tolerance; the scene as it is runs again as a small ensemble, which shows what chance does. A scene with a table [limit]
-    has its load factor among the answers. Ranges of its own stand in the table [assess].
+    The assumptions are the stiffness of the joints, friction, the size of the blocks, their bond, damping, the points of elastic joints,
+    the time step and the tolerance. A small ensemble of the scene itself shows the effect of chance. With a table [limit] the load factor
+    is one of the answers. The table [assess] sets other ranges.
 
-    With --global further runs vary all properties of the structure at once. A surrogate through them gives Sobol indices: the share of the
-    variance of each answer that a property explains by itself, and with the others. They are refused where the surrogate is poor.
+    With --global further runs vary all properties of the structure together. A surrogate fitted to them gives Sobol indices: the share of
+    the variance of each answer that a property explains alone, and with the others. A poor surrogate gives none.
 
-    DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. The same command again continues where the
-    last one ended.
+    DIR gets assess.png, a tornado chart, the page assess.html, assess.csv and assess.json. Repeating the command continues where
+    the last one ended.
 
     \b
     Examples:

@@ -12,7 +12,7 @@ from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, Trust
 
 
 def _list_formats(asked: bool) -> None:
-    """Print the formats and end, whatever else is asked for."""
+    """Print the formats and exit, whatever the other options."""
     if asked:
         from structures.files.formats import listed
 
@@ -24,28 +24,29 @@ def build(
     scene: SceneFile,
     output: Output,
     set_: Changes = None,
-    picture: Annotated[bool, typer.Option(help="Draw structure.png, or problem.png of blocks that are refused.")] = True,
+    picture: Annotated[bool, typer.Option(help="Draw structure.png, or problem.png of blocks with errors.")] = True,
     format_: Annotated[
         list[str] | None,
         typer.Option(
-            "--format", metavar="NAME", help="json, obj, stl, vtu, vtm, vtkhdf, step, brep or msh; as often as needed.", show_default="json"
+            "--format", metavar="NAME", help="json, obj, stl, vtu, vtm, vtkhdf, step, brep or msh; repeatable.", show_default="json"
         ),
     ] = None,
     repair: Annotated[
-        list[str] | None, typer.Option(metavar="WHAT", help="Of a file: shells, or gaps=0.002 [m] to close gaps up to that width.")
+        list[str] | None,
+        typer.Option(metavar="WHAT", help="Repair a file of blocks: shells, or gaps=0.002 [m] to close gaps up to that width."),
     ] = None,
     force: Force = False,
     list_formats: Annotated[
-        bool, typer.Option("--formats", help="List the formats of blocks that are read and written.", is_eager=True, callback=_list_formats)
+        bool, typer.Option("--formats", help="List the block formats that are read and written.", is_eager=True, callback=_list_formats)
     ] = False,
     trust: Trust = False,
 ) -> Result[Any]:
-    """Build the structure of a scene alone.
+    """Build only the structure of a scene.
 
-    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. The fill of a bridge is in
-    blocks.json, and in fill.json next to other formats. Where blocks are refused, problem.png shows which. A building's plan is written as
-    plan.json, to be corrected and read again, and drawn as plan.svg, also where it is refused, then with what is wrong in red;
-    plan_left.csv lists what of a drawing was not understood, plan_junctions.csv the junctions and free ends.
+    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. The fill of a bridge is part of
+    blocks.json, or a separate fill.json for other formats. Where blocks have errors, problem.png shows which. The plan of a building is
+    written as plan.json, which you can correct and read back, and drawn as plan.svg, with any errors in red; plan_left.csv lists the parts
+    of a drawing that were not understood, plan_junctions.csv the junctions and free ends.
 
     \b
     Examples:

@@ -25,12 +25,12 @@ def calibrate(
     quiet: Quiet = False,
     trust: Trust = False,
 ) -> Result[Any]:
-    """Find which values of a model explain what was observed of a building: frequencies, mode shapes, cracks, drifts, fallen blocks.
+    """Find the values of a model that explain the observations of a building: frequencies, mode shapes, cracks, drifts, fallen blocks.
 
-    STUDY is a study file with design = "calibrate": [vary] says what was thought possible before, [[observations]] what was observed and
-    how surely. Samples are made round by round, each where the last ones were likely, and weighed. DIR gets ranges, correlations and
-    predictions in calibrate.json, the page calibrate.html, and posterior.parquet, which [vary] of another study takes by from. Too few
-    effective samples are no answer: exit code 1. The same command again continues where the last one ended.
+    STUDY is a study file with design = "calibrate": [vary] has the prior distributions, [[observations]] the observations with their
+    errors. Samples are drawn round by round where the previous ones were likely, and weighted. DIR gets ranges, correlations and
+    predictions in calibrate.json, the page calibrate.html, and posterior.parquet, which [vary] of another study reads by from. With too
+    few effective samples there is no answer, and the exit code is 1. Repeating the command continues where the last one ended.
 
     \b
     Examples:

@@ -14,12 +14,12 @@ from masonry_cd.app.result import Result
 def compare(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR1 DIR2 ...", help="Folders of runs.", show_default=False)],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="OUT", help="Write comparison.csv, .md and .png there.", show_default=False)
+        Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for comparison.csv, .md and .png.", show_default=False)
     ] = None,
 ) -> Result[Any]:
-    """Lay runs side by side: what differs in their scenes, their damage and their response.
+    """Compare runs: the differences of their scenes, their damage and their response.
 
-    Prints a table; with -o it is written as CSV and Markdown, with a picture. Damage is judged by the thresholds of the first run.
+    Prints a table; -o writes it as CSV and Markdown, with a picture. Damage is judged by the thresholds of the first run.
 
     \b
     Examples:

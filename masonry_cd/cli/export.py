@@ -15,7 +15,7 @@ from masonry_cd.cli.shared import Changes, Force, Trust
 def export(
     source: Annotated[Path, typer.Argument(metavar="DIR|SCENE", help="Folder of a run, or scene file (TOML).", show_default=False)],
     format_: Annotated[
-        str, typer.Option("--format", metavar="NAME", help="Of a run vtkhdf, or pvd for older readers; of a scene lmgc90 or 3dec.")
+        str, typer.Option("--format", metavar="NAME", help="For a run: vtkhdf, or pvd for older readers; for a scene: lmgc90 or 3dec.")
     ] = "vtkhdf",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for the files.", show_default="DIR/paraview")
@@ -26,11 +26,11 @@ def export(
 ) -> Result[None]:
     """Write a run for ParaView, or a scene for LMGC90 or 3DEC.
 
-    Of a run, OUT gets blocks and joints over time as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states
+    For a run, OUT gets blocks and joints over time as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states
     and displacements, and names.csv, which lists the names of blocks and groups by their numbers.
 
-    Of a scene, OUT gets the deck of another program: blocks, materials, supports, gravity and base motion. What that program has no words
-    for is refused.
+    For a scene, OUT gets the input of another program: blocks, materials, supports, gravity and base motion. Anything that the program
+    cannot represent is an error.
 
     \b
     Examples:
@@ -48,5 +48,5 @@ def export(
             raise InputError("--set", "changes a scene, and a run is exported as it was")
         return commands.export(source, format_, output)
     if output is None:
-        raise InputError("--output", "missing; a folder for the deck")
+        raise InputError("--output", "missing; give the folder for the input files")
     return commands.deck(read_scene(source, set_ or ()), format_, output, force)

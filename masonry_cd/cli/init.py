@@ -25,12 +25,12 @@ def init(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="SCENE", help="The scene file.", show_default="KIND.toml")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite files that are there.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
 ) -> Result[None]:
-    """Write a starter scene of a kind of structure, which runs as it is.
+    """Write a starter scene for a kind of structure, ready to run.
 
-    It names every key with its unit and default; those that a first scene needs are set. masonry-cd.schema.json next to it is for
-    editors, and the kinds file and solid get a small file of blocks. That of solid is a program of gmsh, so its scene runs with --trust.
+    The scene lists every key with its unit and default, and sets those that a first run needs. masonry-cd.schema.json is written next to it
+    for editors; the kinds file and solid also get a small file of blocks. That of solid is a gmsh program, so its scene needs --trust.
 
     \b
     Examples:

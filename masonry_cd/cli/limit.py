@@ -20,28 +20,28 @@ def limit(
     curve: Annotated[bool, typer.Option("--curve", help="Follow the mechanism: capacity.csv, .json and .png.")] = False,
     view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, left, top or isometric.")] = "auto",
     macro_elements: Annotated[
-        bool, typer.Option("--macro-elements", help="Look at each part of the structure with all else held.")
+        bool, typer.Option("--macro-elements", help="Analyse each part of the structure with all others held.")
     ] = False,
-    run: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a run, whose damage the table of parts then has.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on where an analysis with macro-elements was stopped.")] = False,
+    run: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of a run whose damage the table of parts shows.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue an analysis with macro-elements that was stopped.")] = False,
     force: Force = False,
     trust: Trust = False,
     quiet: Quiet = False,
 ) -> Result[Any]:
     """Find the largest load factor of a scene by limit analysis, and the mechanism.
 
-    What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
-    tilt = "x", or live = [0] for point loads or a vehicle, whose worst place is looked for where it has none: crossing.csv and .png.
-    In a plane, and for a check in space, the least factor without dilation is searched for.
-    DIR gets limit.json, mechanisms.csv, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with
-    ties also ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check by a code of the
-    mechanism that decides; with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears,
-    over the displacement of a block, until none is left.
+    The factor multiplies the scene's load of kind push, tilt, settlement or spreading, or the load that the table [limit] names: push =
+    "x", tilt = "x", or live = [0] for point loads or a vehicle. A vehicle without a position goes to its worst one: crossing.csv and .png.
+    In plane structures, and for a check in space, the least factor without dilation is searched for as well.
+    DIR gets limit.json, mechanisms.csv, blocks.csv, joints.csv, mechanism.png, thrust.png and the page limit.html; with ties also ties.csv,
+    their tension at collapse; with a table [limit.check] check.json and check.csv, the code check of the governing mechanism; with --curve,
+    or a table [limit.curve], the capacity curve: the factor that the displaced structure still carries, over the displacement of a block,
+    until it vanishes.
 
-    With --macro-elements the parts that the structure's kind names, facade, gable, side walls, apse, tower, belfry, corners, piers, are
-    looked at one by one with all else held, for the mechanisms of practice and the free least one: more rows of mechanisms.csv and of the
-    page, and a picture each. Tables [[limit.mechanism]] choose or add parts. The whole is looked at as well where the scene names a push
-    or a tilt. A check of the whole has the mechanisms of rigid bodies of its parts along the push in its table in any case.
+    With --macro-elements the parts that the structure's kind names (facade, gable, side walls, apse, tower, belfry, corners, piers) are
+    analysed one by one with all other blocks held, for the mechanisms of practice and the free least one. They add rows to mechanisms.csv
+    and the page, and a picture each. Tables [[limit.mechanism]] choose or add parts. The whole structure is analysed as well where the
+    scene names a push or a tilt. A check of the whole always lists the rigid-body mechanisms of its parts along the push.
 
     \b
     Examples:

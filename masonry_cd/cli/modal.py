@@ -26,13 +26,16 @@ def modal(
     poisson: Annotated[float, typer.Option(metavar="NU", help="Poisson's ratio.")] = 0.2,
     method: Annotated[str, typer.Option(metavar="NAME", help="continuum, joints or both.")] = "both",
     modes: Annotated[int, typer.Option(metavar="N", help="Modes to compute.")] = 6,
-    mesh_size: Annotated[float | None, typer.Option(metavar="H", help="Of the tetrahedra [m].", show_default="thickness")] = None,
-    restraint: Annotated[list[str] | None, typer.Option(metavar="GROUP=DIRECTIONS", help="What supports hold: pier1=z.")] = None,
+    mesh_size: Annotated[float | None, typer.Option(metavar="H", help="Size of the tetrahedra [m].", show_default="thickness")] = None,
+    restraint: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP=DIRECTIONS", help="Directions in which supports hold: pier1=z.")
+    ] = None,
     reference: Annotated[Path | None, typer.Option(metavar="CSV", help="Measured modes to compare with.")] = None,
     ambient: Annotated[
-        Path | None, typer.Option(metavar="CSV", help="Accelerations under ambient noise: their modes are the measured ones.")
+        Path | None,
+        typer.Option(metavar="CSV", help="Accelerations under ambient vibration, from which the measured modes are identified."),
     ] = None,
-    sensors: Annotated[Path | None, typer.Option(metavar="CSV", help="Places of the sensors of --ambient.")] = None,
+    sensors: Annotated[Path | None, typer.Option(metavar="CSV", help="Positions of the sensors of --ambient.")] = None,
     lowest: Annotated[
         float | None, typer.Option(metavar="F", help="Lowest frequency of --ambient [Hz].", show_default="1/50 of the highest")
     ] = None,
@@ -41,16 +44,21 @@ def modal(
     ] = None,
     fit: Annotated[bool, typer.Option("--fit", help="Fit E to the first measured frequency.")] = False,
     pictures: Annotated[int, typer.Option(metavar="N", help="Modes to draw.")] = 6,
-    nscd: Annotated[bool, typer.Option("--nscd", help="Frequencies of the run itself, on the scene's elastic joints, instead.")] = False,
-    sweep: Annotated[str | None, typer.Option(metavar="x|y|z", help="With --nscd: amplitudes over the frequency of the base.")] = None,
-    velocity: Annotated[float | None, typer.Option(metavar="C", help="Of the sweep [m/s].", show_default="1/1000 g")] = None,
+    nscd: Annotated[bool, typer.Option("--nscd", help="Measure the frequencies of a run on the scene's elastic joints instead.")] = False,
+    sweep: Annotated[
+        str | None, typer.Option(metavar="x|y|z", help="With --nscd: amplitude over frequency, with the base driven along this axis.")
+    ] = None,
+    velocity: Annotated[
+        float | None, typer.Option(metavar="C", help="Velocity amplitude of the sweep [m/s].", show_default="1/1000 g")
+    ] = None,
     force: Force = False,
     trust: Trust = False,
 ) -> Result[Any]:
-    """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
+    """Compute modal frequencies of the blocks of a scene: as a bonded elastic continuum, and as rigid blocks on elastic joints.
 
-    Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
-    A run on elastic joints has its own: with --nscd it swings freely, or is swept with v(t) = C sin(2 pi f t), next to its linear modes.
+    Rigid blocks with unilateral contacts have no elastic frequency; these two models represent the structure before it cracks. A run on
+    elastic joints has its own frequencies: --nscd measures them in free vibration, or in a sweep with v(t) = C sin(2 pi f t), and compares
+    them with its linear modes.
 
     \b
     Examples:

@@ -9,7 +9,7 @@ from masonry_cd.app.result import Result
 def plugins() -> Result[None]:
     """List what installed packages add: kinds of structures and loads, readers of records, reports, mechanisms, joint laws, solvers.
 
-    None of them is imported. A line for each: what it is, its name in a scene, the package, and where it stands there.
+    Prints a line for each: its type, its name in a scene, the package, and its place in the package. None is imported.
 
     \b
     Examples:
@@ -18,4 +18,4 @@ def plugins() -> Result[None]:
     from masonry_cd.foundation.plugins import plugins as found
 
     lines = [f"{one.group.removesuffix('s').replace('_', ' ')} {one.name}: {one.package}, {one.place}" for one in found()]
-    return Result(None, lines or ["no installed package adds anything; docs/plugins.md shows how one does"])
+    return Result(None, lines or ["no installed package adds anything; see docs/plugins.md"])

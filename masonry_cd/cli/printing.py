@@ -59,7 +59,7 @@ def _print_how_to_continue(name: str) -> None:
     """Print the command line by which a command continues."""
     words = [word for word in sys.argv[1:] if word != "--force"]
     words += [word for word in CONTINUED.get(name, ()) if word not in words]
-    typer.echo(f"masonry-cd: go on with: {shlex.join(['masonry-cd', *words])}", err=True)
+    typer.echo(f"masonry-cd: continue with: {shlex.join(['masonry-cd', *words])}", err=True)
 
 
 def warn(lines: Iterable[str]) -> None:

@@ -20,11 +20,9 @@ def record(
     ] = None,
     measure: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="NAME", help='Intensity measure to print instead of Sa at five periods: "Sa(0.5)", "FIV3(0.5)"; as often as needed.'
-        ),
+        typer.Option(metavar="NAME", help='Intensity measure to print instead of Sa at five periods: "Sa(0.5)", "FIV3(0.5)"; repeatable.'),
     ] = None,
-    formats: Annotated[bool, typer.Option("--formats", help="List the formats that are read, and who publishes them.")] = False,
+    formats: Annotated[bool, typer.Option("--formats", help="List the formats that are read, with their publishers.")] = False,
 ) -> Result[Any]:
     """Print the numbers of a record, and draw it: acceleration, velocity, displacement and spectrum, before and after its correction.
 

@@ -14,25 +14,25 @@ from masonry_cd.cli.shared import Folder, exclude
 def report(
     folder: Folder,
     crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
-    time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame next to this time; the last by default.")] = None,
-    times: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Draw a map at each of these times, alike in scale.")] = None,
+    time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame nearest to this time; the last by default.")] = None,
+    times: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Draw a map at each of these times, on one scale.")] = None,
     view: Annotated[str | None, typer.Option(help="front, back, side, left, top or isometric; the scene's by default.")] = None,
     scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
-    cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
+    cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut along a plane: y=1.5 [m], or y for the middle.")] = None,
     thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,
-    animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
+    animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif of the whole run.")] = False,
     vector: Annotated[bool, typer.Option("--vector", help="Draw crack_map.svg and crack_map.pdf, sharp at any size.")] = False,
-    energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: what was put in, where it went, the balance.")] = False,
+    energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: work done, where it went, balance error.")] = False,
     stress_map: Annotated[
-        bool, typer.Option("--stress-map", help="Draw stress_map.png, at --time, or of the whole run; the run must have kept stress.")
+        bool, typer.Option("--stress-map", help="Draw stress_map.png, at --time or of the whole run, if the run recorded stress.")
     ] = False,
-    extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further output by its key of [report]; repeatable.")] = None,
-    html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,
+    extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="Another output, by its key of [report]; repeatable.")] = None,
+    html: Annotated[bool, typer.Option("--html", help="Write report.html, a page of the run that works offline.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf; needs Chromium.")] = False,
 ) -> Result[Any]:
-    """Redo the reports of a run.
+    """Write the reports of a run again.
 
-    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png again from
+    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png from
     result.h5, also for a run that was stopped or killed. Thresholds and grades are those of the scene's [report].
 
     \b

@@ -17,7 +17,7 @@ def risk(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="OUT", help="Write risk.html, risk.json and hazard.png there.", show_default=False),
+        typer.Option("-o", "--output", metavar="OUT", help="Folder for risk.html, risk.json and hazard.png.", show_default=False),
     ] = None,
     after: Annotated[
         Path | None,
@@ -27,10 +27,10 @@ def risk(
         Path | None, typer.Option("--study", metavar="DIR", help="Folder of a study over the same [hazard].", show_default=False)
     ] = None,
 ) -> Result[Any]:
-    """Put the seismic risk of a structure on one page, as it is and as it is strengthened.
+    """Summarise the seismic risk of a structure on one page, before and after strengthening.
 
-    Reads what limit and study have written and computes nothing itself: the acceleration borne and its return period, the risk class
-    of the Italian guideline, the annual frequency of each limit state, each with its formula.
+    Reads the results of limit and study: the acceleration at capacity and its return period, the risk class of the Italian guideline,
+    the annual frequency of each limit state, each with its formula.
 
     \b
     Examples:

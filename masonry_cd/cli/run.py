@@ -20,17 +20,17 @@ def run(
     dump_problem: Annotated[
         list[str] | None, typer.Option("--dump-problem", metavar="STEP", help="Write the friction problem of this step; 1 or 1,2,9.")
     ] = None,
-    explain: Annotated[bool, typer.Option("--explain", help="Say what was left out for this scene, and why.")] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Explain which work this scene does not need, and why.")] = False,
     quiet: Quiet = False,
     trust: Trust = False,
 ) -> Result[Any]:
-    """Compute a scene and write its results.
+    """Run a scene and write its results.
 
-    DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
-    is reported in one line, with exit code 2, and nothing is written. Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end a run after its current step:
-    the results stay readable up to there, and --resume goes on to the same numbers as an unbroken run, as it does after a kill. Problems
-    are written to problem_STEP.npz, or where impacts are solved apart to problem_STEP_forces.npz and problem_STEP_impacts.npz, for
-    masonry-cd solve and accuracy.
+    DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene requests. The whole scene is checked first; bad input
+    is reported in one line, with exit code 2, and nothing is written. Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end a run after its current step.
+    The results stay readable up to that step, and --resume, also after a kill, continues to the same numbers as an uninterrupted run.
+    --dump-problem writes problem_STEP.npz for masonry-cd solve and accuracy, or problem_STEP_forces.npz and problem_STEP_impacts.npz where
+    impacts are solved separately.
 
     \b
     Examples:

@@ -13,10 +13,12 @@ from masonry_cd.foundation.atomic import replacing
 
 
 def schema(
-    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it there instead of printing it.")] = None,
-    plan: Annotated[bool, typer.Option("--plan", help="That of a building's plan in JSON, plan.json.")] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it to a file instead of printing it.")
+    ] = None,
+    plan: Annotated[bool, typer.Option("--plan", help="Schema of a building's plan, plan.json.")] = False,
 ) -> Result[str]:
-    """Print the JSON schema of the scene file, or of a plan, by which editors complete and check them.
+    """Print the JSON schema of the scene file, or of a plan, for completion and checks in editors.
 
     Taplo and Even Better TOML read it where the first line of a scene names it: #:schema ./masonry-cd.schema.json
 

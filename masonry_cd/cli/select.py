@@ -18,10 +18,10 @@ def select(
     force: Force = False,
     quiet: Quiet = False,
 ) -> Result[dict[str, Any]]:
-    """Choose from a folder of records a set whose spectra match that of a site, in their mean and, if requested, their scatter.
+    """Choose from a folder of records a set whose spectra match that of a site in their mean and, if requested, their scatter.
 
-    DIR gets selected.toml, which a study takes as its records, selection.csv with the factor and the misfit of each, selection.json and a
-    picture. The rule of EN 1998-1 for sets of records is judged, and met by one more factor where meet_rule = true.
+    DIR gets selected.toml, the [records] of a study, selection.csv with the factor and the misfit of each record, selection.json and a
+    picture. The set is checked against the rule of EN 1998-1, and scaled by a common factor to meet it where meet_rule = true.
 
     \b
     Examples:

@@ -18,30 +18,30 @@ def _trust(given: bool) -> bool:
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
-Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
+Output = Annotated[
+    Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; created if missing.", show_default=False)
+]
 Changes = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. Repeatable."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
 Force = Annotated[
     bool,
-    typer.Option("--force", help="Overwrite results that DIR already holds; files that masonry-cd did not write stay, and are refused."),
+    typer.Option("--force", help="Overwrite the results in DIR; files that masonry-cd did not write are an error and stay."),
 ]
 Trust = Annotated[
     bool,
-    typer.Option(
-        "--trust", help="Run code that the scene names: files of Python, programs of gmsh (.geo).", callback=_trust, show_default=False
-    ),
+    typer.Option("--trust", help="Run code that the scene names: Python files, gmsh programs (.geo).", callback=_trust, show_default=False),
 ]
 Workers = Annotated[
-    int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
+    int | None, typer.Option(metavar="N", min=1, help="Processes on this machine.", show_default="run.workers, or all cores")
 ]
-Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")]
-Slurm = Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")]
-Retry = Annotated[bool, typer.Option("--retry", help="Make runs again that failed or timed out.")]
-Planned = Annotated[bool, typer.Option("--plan", help="Check everything, say how many runs there are, and make none.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Address of a running dask scheduler: tcp://host:8786.")]
+Slurm = Annotated[Path | None, typer.Option(metavar="CONFIG", help="Start workers as Slurm jobs, as this file (TOML) describes.")]
+Retry = Annotated[bool, typer.Option("--retry", help="Repeat runs that failed or timed out.")]
+Planned = Annotated[bool, typer.Option("--plan", help="Check the input and print the number of runs, without running them.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only warnings and errors.")]
 
 
 def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:

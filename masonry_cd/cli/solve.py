@@ -17,18 +17,19 @@ from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
-    solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}, or of a plug-in.")] = "auto",
+    solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}, or a solver of a plug-in.")] = "auto",
     tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
     max_iterations: Annotated[
-        int | None, typer.Option(metavar="N", min=1, max=MOST_ITERATIONS, help="The solver's own limit by default.")
+        int | None,
+        typer.Option(metavar="N", min=1, max=MOST_ITERATIONS, help="Largest number of iterations; that of the solver by default."),
     ] = None,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, max=LARGEST_SEED, help="Of random sweep orders.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, max=LARGEST_SEED, help="Seed of random sweep orders.")] = 0,
     json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r and velocities u.")] = None,
 ) -> Result[Any]:
-    """Solve one friction problem from a file and print how exactly.
+    """Solve one friction problem from a file and print its errors.
 
-    The errors are measured outside the solver; a tolerance that was missed is reported.
+    The errors are measured outside the solver; a missed tolerance is reported.
 
     \b
     Examples:

@@ -22,14 +22,14 @@ def strengthen(
     trust: Trust = False,
     quiet: Quiet = False,
 ) -> Result[Any]:
-    """Find the least ties that bring a scene to a load factor, or to a share of the motion that a code asks for.
+    """Find the cheapest ties that bring a scene to a load factor, or to a share of the motion that a code requires.
 
-    The table [strengthen] has the target, factor or zeta_E, and the candidates: ties [[strengthen.ties]], or rules that make them.
-    Found are the yield forces of least cost under which no mechanism of the whole, nor of the macro-elements if requested, starts below
-    the target. They are verified by the search for the least factor, and rounded up to bars that can be bought.
-    DIR gets strengthen.json, ties.csv, parts.csv, the least mechanism before.png and after.png, strengthen.html, a page with all of it,
-    and strengthened.toml, the scene with its ties, which masonry-cd run and limit take; with --shake the folder shaken with both runs and
-    their comparison.
+    The table [strengthen] has the target, factor or zeta_E, and the candidates: ties [[strengthen.ties]], or rules that generate them.
+    The command finds the cheapest yield forces for which no mechanism of the whole, and if requested of the macro-elements, starts below
+    the target. The search for the least factor verifies them, and they are rounded up to the next bars on the market.
+    DIR gets strengthen.json, ties.csv, parts.csv, the governing mechanism in before.png and after.png, the page strengthen.html, and
+    strengthened.toml, the scene with its ties, for masonry-cd run and limit; with --shake also the folder shaken with both runs and their
+    comparison.
 
     \b
     Examples:

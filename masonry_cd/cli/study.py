@@ -19,21 +19,23 @@ def study(
     workers: Workers = None,
     scheduler: Scheduler = None,
     slurm: Slurm = None,
-    print_job: Annotated[bool, typer.Option("--print-job", help="Print the job that --slurm would submit, and make no run.")] = False,
+    print_job: Annotated[bool, typer.Option("--print-job", help="Print the job that --slurm would submit, without a run.")] = False,
     retry: Retry = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Require that DIR holds a study; without the option a new one starts there.")
+    ] = False,
     plan: Planned = False,
-    report: Annotated[bool, typer.Option("--report", help="Fit and draw again from the runs in DIR; make none.")] = False,
+    report: Annotated[bool, typer.Option("--report", help="Repeat fits and pictures from the runs in DIR, without new runs.")] = False,
     force: Force = False,
     quiet: Quiet = False,
     trust: Trust = False,
 ) -> Result[None]:
-    """Make many runs of one scene: over records, intensities, materials, and seeds, on all cores or on a cluster.
+    """Run one scene many times: over records, intensities, materials and seeds, on all cores or on a cluster.
 
-    DIR gets runs.csv and runs.parquet, one row per run, and what follows from them: fragilities with their bands, pictures, and the page
-    study.html. The same command again goes on where the last one ended, and makes no finished run again; more records or levels in STUDY
-    make only their own runs. With asks = "limit" each scene gets a limit analysis, and DIR limits.csv, factors and verdicts over what
-    varies. Ctrl-C ends a study without losing a finished run.
+    DIR gets runs.csv and runs.parquet, one row per run, and the results from them: fragilities with their bands, pictures, and the page
+    study.html. Repeating the command continues the study without repeating finished runs; more records or levels in STUDY add only their
+    own runs. With asks = "limit" each scene also gets a limit analysis, and DIR gets limits.csv with factors and verdicts over the varied
+    keys. Ctrl-C ends a study without losing a finished run.
 
     \b
     Examples:
@@ -51,7 +53,7 @@ def study(
     made = plan_of(study)
     if print_job:
         if slurm is None:
-            raise InputError("--print-job", "shows a job of Slurm; add --slurm CONFIG")
+            raise InputError("--print-job", "shows a Slurm job; add --slurm CONFIG")
         return Result(None, job_script(slurm).splitlines())
     if plan:
         return Result(None, [made.line])

@@ -22,7 +22,9 @@ def _names(begun: str) -> list[str]:
 def validate(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="NAME", help="Of the case; without one they are listed.", show_default=False, autocompletion=_names),
+        typer.Argument(
+            metavar="NAME", help="Name of the case; without it the cases are listed.", show_default=False, autocompletion=_names
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for scenes and results.", show_default="validation/NAME")
@@ -30,10 +32,10 @@ def validate(
     force: Force = False,
     quiet: Quiet = False,
 ) -> Result[Any]:
-    """Repeat a test of the laboratory page: its scenes, runs, table and curves against what was measured.
+    """Repeat a case of the laboratory page: its scenes, runs, table and curves, compared with measurements.
 
-    DIR gets a folder for each scene, scene.toml and blocks.json, which are good to start from, with the results of its run;
-    table.json, what was measured and what is computed; and curves.svg. Nothing in the scenes is tuned to meet what was measured.
+    DIR gets a folder for each scene with scene.toml, blocks.json and the results of its run, table.json with measured and computed values,
+    and curves.svg. The scenes are good to start from; none of their values is fitted to the measurements.
 
     \b
     Examples:

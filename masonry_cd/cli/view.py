@@ -10,9 +10,9 @@ from masonry_cd.cli.shared import Folder
 
 
 def view(folder: Folder) -> Result[Any]:
-    """Open the page of a run, report.html, or that of a study, study.html, in the browser.
+    """Open the page of a run (report.html) or of a study (study.html) in the browser.
 
-    Where there is no display it is said where the page lies.
+    Without a display, the path of the page is printed.
 
     \b
     Examples:

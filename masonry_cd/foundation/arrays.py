@@ -30,7 +30,7 @@ class Stored:
         return Stored(found, f"{self._where}{head}/")
 
     def names(self) -> list[str]:
-        """Names that nobody has asked for yet."""
+        """Names that have not been read yet."""
         return [name for name in self._arrays if name not in self._seen]
 
     def holds(self, name: str) -> bool:
@@ -72,8 +72,8 @@ class Stored:
         self._seen.add(name)
         return self._arrays[name]
 
-    def nothing_else(self) -> None:
-        """Refuse arrays that nobody has asked for.
+    def check_all_read(self) -> None:
+        """Refuse arrays that have not been read.
 
         Raises:
             InputError: names the first.

@@ -205,7 +205,7 @@ def table_in_si(models: Sequence[type[BaseModel]], table: Mapping[str, Any], whe
 
 
 def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
-    """A value, or values in lists, with its texts as numbers in a unit that is asked for only where there is one.
+    """A value, or values in lists, with its texts as numbers in a unit that is determined only where there is one.
 
     Raises:
         InputError: names the value as ``where``.
@@ -239,7 +239,7 @@ def _faults(failure: ValidationError, model: type[BaseModel], table: Mapping[str
 
 
 def _is_form(part: str) -> bool:
-    """True for a part of a path that is no key but pydantic's name of a form of values, ``dict[str,float]`` or ``constrained-float``."""
+    """True for a part of a path that is not a key but pydantic's name of a form of values, ``dict[str,float]`` or ``constrained-float``."""
     return "[" in part or part.startswith("constrained-")
 
 

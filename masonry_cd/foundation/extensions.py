@@ -25,7 +25,7 @@ Value = TypeVar("Value")
 
 
 class Extensions(Mapping[str, Value], Generic[Value]):
-    """The functions or values of one name in the modules of a package, by module. A module is imported when it is asked for.
+    """The functions or values of one name in the modules of a package, by module. A module is imported on first use.
 
     Args:
         package: its full name; every folder on its ``__path__`` is searched.

@@ -2,8 +2,8 @@
 """Memory that a step has freed stays with the program for the next one; what a picture has freed goes back to the system.
 
 glibc gives freed memory at the top of its heap back to the system, and maps large arrays by themselves, which are given back when they are
-freed; what is asked for next the system fills with zeros first. A step of meshed blocks that frees 12 MB spends a sixth to a third of its
-time on that. glibc learns larger limits by itself, but not far enough, and not at all where MALLOC_TRIM_THRESHOLD_ is set in the
+freed; the system fills memory that is allocated next with zeros first. A step of meshed blocks that frees 12 MB spends a sixth to a third
+of its time on that. glibc learns larger limits by itself, but not far enough, and not at all where MALLOC_TRIM_THRESHOLD_ is set in the
 environment, as dask does for its workers; so both limits are set here (mallopt(3)).
 
 A picture takes hundreds of MB in pieces, between which VTK leaves some small ones: with those limits nearly all of it would stay with the
@@ -23,7 +23,7 @@ LARGEST = 32 * 2**20  # bytes of an array that is on the heap, as much as glibc 
 
 @cache
 def keep_freed_memory() -> None:
-    """Have up to KEPT bytes of freed memory kept for what is asked for next, in this process."""
+    """Keep up to KEPT bytes of freed memory for the next allocations of this process."""
     set_limit = _of_glibc("mallopt")
     if set_limit is not None:
         set_limit(TRIM_THRESHOLD, KEPT)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of JSON that every reader takes: what is no finite number is null."""
+"""Files of JSON that every reader takes: what is not a finite number is null."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def check(folder: Path, names: Iterable[str], proof: Proof = no_proof) -> None:
     if not there or (not (folder / LIST).exists() and proof(folder)):
         return
     listed = _read(folder)
-    refuse(folder, [path.name for path in there if not _same(path, listed)])
+    refuse(folder, [path.name for path in there if not _is_unchanged(path, listed)])
 
 
 def refuse(folder: Path, others: list[str]) -> None:
@@ -85,7 +85,7 @@ def others_below(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:
     """Files in a folder and the folders below it that are neither listed where they lie, nor ``ours`` by the path from the folder."""
     listed = {place: _read(place) for place in (folder, *(path for path in folder.rglob("*") if path.is_dir()))} if folder.is_dir() else {}
     files = sorted(path for place in listed for path in place.iterdir() if path.name != LIST and not path.is_dir())
-    return [path for path in files if not ours(path.relative_to(folder)) and not _same(path, listed[path.parent])]
+    return [path for path in files if not ours(path.relative_to(folder)) and not _is_unchanged(path, listed[path.parent])]
 
 
 def note(path: Path, source: Path | None = None, growing: bool = False) -> None:
@@ -117,7 +117,7 @@ def remove(folder: Path, names: Iterable[str]) -> None:
     """Take away those of these files that are ours."""
     listed = _read(folder)
     for path in _there(folder, names):
-        if _same(path, listed):
+        if _is_unchanged(path, listed):
             path.unlink(missing_ok=True)
 
 
@@ -147,7 +147,7 @@ def _read(folder: Path) -> dict[str, set[str]]:
     return found
 
 
-def _same(path: Path, listed: dict[str, set[str]]) -> bool:
+def _is_unchanged(path: Path, listed: dict[str, set[str]]) -> bool:
     """Return True if a file is as it was written once."""
     said = listed.get(path.name, set())
     return GROWING in said or (bool(said) and _print(path) in said)

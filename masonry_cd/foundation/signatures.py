@@ -11,7 +11,7 @@ from masonry_cd.foundation.errors import InputError
 
 
 def require_call(function: object, arguments: str, where: object, name: str = "f") -> None:
-    """Check that something takes some positional arguments; of compiled code that does not say what it takes nothing is known.
+    """Check that something takes some positional arguments; compiled code that does not state its arguments is not checked.
 
     Args:
         function: of Python, or compiled by numba.
@@ -20,7 +20,7 @@ def require_call(function: object, arguments: str, where: object, name: str = "f
         name: of the function in the contract.
 
     Raises:
-        InputError: says how it is called, and what it takes.
+        InputError: says how it is called, and its arguments.
     """
     if not callable(function):
         raise InputError(where, f"a function {name}({arguments}) is needed, got a {type(function).__name__}")
@@ -45,6 +45,6 @@ def require_picklable(given: Mapping[str, object]) -> None:
     for name, value in given.items():
         try:
             pickle.dumps(value)
-        except Exception as failure:  # whatever an object raises that is asked for its parts
+        except Exception as failure:  # whatever an object raises when its parts are read
             text = f"cannot be pickled ({' '.join(str(failure).split())}); functions at the top of a module can, others cannot"
             raise InputError(name, text) from None

@@ -21,7 +21,7 @@ def trust(given: bool = True) -> None:
         os.environ.pop(VARIABLE, None)
 
 
-def trusted() -> bool:
+def is_trusted() -> bool:
     """Return True if such code may run."""
     return os.environ.get(VARIABLE) == "1"
 
@@ -38,5 +38,5 @@ def require_trust(key: str, name: str, what: str, otherwise: str = "") -> None:
     Raises:
         InputError: says to pass --trust.
     """
-    if not trusted():
+    if not is_trusted():
         raise InputError(key, f"{name} is {what}; if you trust it, pass --trust{otherwise}")

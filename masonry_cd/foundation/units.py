@@ -128,7 +128,7 @@ COMMON = (
 
 
 class UnitError(ValueError):
-    """A text that is no number in the unit of its key."""
+    """A text that is not a number in the unit of its key."""
 
     def __init__(self, message: str, parts: tuple[str | int, ...] = ()) -> None:
         super().__init__(message)
@@ -179,7 +179,7 @@ def usual_keys(models: Models, table: Mapping[str, Any], path: str) -> Iterator[
 
 
 def read_values(value: Any, unit: Callable[[], str], parts: tuple[str | int, ...] = ()) -> Any:
-    """A value, or values in lists, with texts that begin as numbers read in a unit, which is asked for where one is met.
+    """A value, or values in lists, with texts that begin as numbers read in a unit, which is determined where one is met.
 
     Raises:
         UnitError: an unknown unit, one of another dimension, or none.
@@ -200,12 +200,12 @@ def number_in(text: str, unit: str) -> float:
     """
     found = _NUMBER.fullmatch(text)
     if found is None or found.group(2).startswith(","):
-        raise UnitError(f'"{text}" is no number with a unit; {_as_written(unit)}' + (", with a decimal point" if "," in text else ""))
+        raise UnitError(f'"{text}" is not a number with a unit; {_as_written(unit)}' + (", with a decimal point" if "," in text else ""))
     if not found.group(2):
         raise UnitError(f'"{text}" states no unit; {_as_written(unit)}')
     value = float(found.group(1))
     if len(found.group(2)) > LONGEST_UNIT:
-        raise UnitError(f'"{found.group(2)}" is no known unit; {_as_written(unit)}')
+        raise UnitError(f'"{found.group(2)}" is not a known unit; {_as_written(unit)}')
     if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
         raise UnitError(f'"{text}" is beyond the range of numbers')
     number = Decimal(found.group(1)) if value else Decimal(0)
@@ -297,12 +297,12 @@ def _of_another_dimension(number: Decimal, given: str, unit: str) -> str:
     if unit.startswith("kg") and over_gravity == wanted[1]:
         mass = number * size / wanted[0]
         return f'"{given}" is of a weight, not of a {kind.what}; over g = 9.80665 m/s2 that is "{mass:.5g} {unit}"'
-    return f'"{given}" is no unit of a{"n" if kind.what[0] in "aeiou" else ""} {kind.what}{_twin(given, unit)}; {_as_written(unit)}'
+    return f'"{given}" is not a unit of a{"n" if kind.what[0] in "aeiou" else ""} {kind.what}{_twin(given, unit)}; {_as_written(unit)}'
 
 
 @cache
 def _in_base(given: str, unit: str) -> tuple[Decimal, BaseUnit]:
-    """Size and dimension of a unit in base units; radians are a dimension here, so that rad/s is no Hz."""
+    """Size and dimension of a unit in base units; radians are a dimension here, so that rad/s is not Hz."""
     registry = _registry()
     size, base = registry.get_root_units(registry.parse_units(_expression(given, unit), as_delta=False))
     return Decimal(str(size or 1)), base  # decibels and degrees Celsius have no size, and no key is in such
@@ -312,7 +312,7 @@ def _expression(given: str, unit: str) -> str:
     """A unit as pint reads it: kN/m2 as kN/m**2.
 
     Raises:
-        UnitError: it is no product of known units.
+        UnitError: it is not a product of known units.
     """
     plain = re.sub(r"\s*([*/·⋅.])\s*|\s+", lambda sign: "/" if sign.group(1) == "/" else "*", given.translate(_RAISED).replace("**", "^"))
     terms = re.split(r"([*/])", plain)
@@ -322,7 +322,7 @@ def _expression(given: str, unit: str) -> str:
         if i % 2 or (term == "1" and i == 0):
             made.append(term)
         elif found is None or (name := _name(found.group(1), unit)) not in _registry():
-            raise UnitError(f'"{term or given}" is no known unit{_twin(term, unit)}' + (f"; {_as_written(unit)}" if unit else ""))
+            raise UnitError(f'"{term or given}" is not a known unit{_twin(term, unit)}' + (f"; {_as_written(unit)}" if unit else ""))
         else:
             made.append(f"{name}**{found.group(2) or 1}")
     return "".join(made)

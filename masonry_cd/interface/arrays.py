@@ -164,7 +164,7 @@ def _block(given: Any, index: int) -> Block:
 def shell_of(given: Any) -> dict[str, Any] | None:
     """Vertices, faces and a name, if any, of an object that has them: of trimesh, pyvista, COMPAS, or any like these; else None.
 
-    trimesh has the name among its metadata, as it comes from a file, or from the node of a scene.
+    trimesh has the name among its metadata, as read from a file, or from the node of a scene.
     """
     metadata = getattr(given, "metadata", None)
     name = getattr(given, "name", None) or (metadata.get("node") or metadata.get("name") if isinstance(metadata, Mapping) else None)

@@ -49,7 +49,7 @@ class Assessment(Sealed):
 
     @property
     def verdict(self) -> str:
-        """``between D2 and D4; joint stiffness decides; time step and tolerance do not``; empty where the base case is no data."""
+        """``between D2 and D4; joint stiffness decides; time step and tolerance do not``; empty where the base case has no result."""
         return verdict(self._found) if self._found.base.row.done else ""
 
     @property
@@ -86,20 +86,20 @@ class Assessment(Sealed):
 
     @property
     def warnings(self) -> list[str]:
-        """Runs that are no data, that missed the tolerance, that are not graded."""
+        """Runs that have no result, that missed the tolerance, that are not graded."""
         return warnings_of(self._found)
 
     def plot(self) -> Image:
         """The tornado chart.
 
         Raises:
-            InputError: the base case is no data.
+            InputError: the base case has no result.
         """
-        from reports.assess.picture import tornado
+        from reports.assess.picture import draw_tornado
 
         if not self._found.base.row.done:
             raise InputError("", self.lines[0])
-        return drawn(lambda path: tornado(self._found, path))
+        return drawn(lambda path: draw_tornado(self._found, path))
 
     def page(self) -> Page:
         """assess.html with all of it, which needs no network; table and chart in the folder are written again with it."""
@@ -133,7 +133,7 @@ def assess(
 
     Args:
         source: anything that :func:`masonry_cd.scene` takes; its table ``[assess]`` may give ranges of its own.
-        folder: for the results, made if need be; runs that have ended there are not made again. By default a temporary one that lasts as
+        folder: for the results, created if missing; runs that have ended there are not repeated. By default a temporary one that lasts as
             long as the assessment that is returned.
         all_pairs: two levels of every two assumptions as well.
         at_once: runs in which all properties of the structure vary at once as well, for Sobol indices.

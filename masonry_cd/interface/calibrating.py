@@ -87,7 +87,7 @@ class Calibration(Sealed):
 
     @property
     def warnings(self) -> list[str]:
-        """Samples that are no data."""
+        """Samples that have no result."""
         return self._found.warnings
 
     def plot(self) -> Image:
@@ -96,11 +96,11 @@ class Calibration(Sealed):
         Raises:
             InputError: there is no answer.
         """
-        from reports.calibrate.picture import posterior_picture
+        from reports.calibrate.picture import draw_posterior
 
         if self.refused:
             raise InputError("", self.verdict)
-        return drawn(lambda path: posterior_picture(self._found, path))
+        return drawn(lambda path: draw_posterior(self._found, path))
 
     def plot_motion(self) -> Image:
         """The likelihood of an unknown motion over two of its numbers, as PGA and period.
@@ -108,12 +108,12 @@ class Calibration(Sealed):
         Raises:
             InputError: there is no answer, or the motion is known.
         """
-        from reports.calibrate.motion_picture import motion_picture
+        from reports.calibrate.motion_picture import draw_motion_likelihood
 
         found, of = self._found, self._found.map
         if self.refused or of is None:
             raise InputError("", self.verdict if self.refused else "the motion is known, or only one number of it varies")
-        return drawn(lambda path: motion_picture(found, of, path))
+        return drawn(lambda path: draw_motion_likelihood(found, of, path))
 
     def page(self) -> Page:
         """calibrate.html with all of it, which needs no network."""
@@ -146,7 +146,7 @@ def calibrate(
 
     Args:
         source: a study file with design "calibrate" and observations; or a dict with its tables, as of :func:`masonry_cd.study`.
-        folder: for the results, made if need be; samples that are there are not made again. By default a temporary one that lasts as
+        folder: for the results, created if missing; samples that are there are not repeated. By default a temporary one that lasts as
             long as the calibration that is returned.
         workers: processes of this machine; ``run.workers`` of the study, or all cores, when not given.
         scheduler: address of a dask scheduler that runs, in their place.

@@ -26,14 +26,14 @@ def to_compas(blocks: Sequence[Block]) -> list[dict[str, Any]]:
     """Blocks as a list of meshes; ``json.dump`` writes what ``compas.json_load`` reads. Attributes: name, group, density, is_support.
 
     Raises:
-        InputError: a sphere, which is no mesh.
+        InputError: a sphere, which is not a mesh.
     """
     return [_mesh(block) for block in blocks]
 
 
 def _mesh(block: Block) -> dict[str, Any]:
     if block.radius:
-        raise InputError("to_compas", f'block "{block.name}" is a sphere, which is no mesh')
+        raise InputError("to_compas", f'block "{block.name}" is a sphere, which is not a mesh')
     data = {
         "attributes": {"name": block.name, "group": block.group, "density": block.density, SUPPORT: block.fixed},
         "default_vertex_attributes": {"x": 0.0, "y": 0.0, "z": 0.0},

@@ -7,7 +7,7 @@ joint model, and all boundary conditions at once, as its own time stepping does:
     ramp             a load grows over RAMP of the run and stays           instantaneous    it is there from the beginning
     displacement, rotation    of a support, over RAMP of the run, smoothly
 
-kn and kt count per area [Pa/m], as its 3DEC backend takes them. compas_dem is asked for its classes only where Results are made.
+kn and kt count per area [Pa/m], as its 3DEC backend takes them. compas_dem is imported only where Results are made.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def from_compas_dem(problem: Any, **tables: Any) -> Scene:
             corners of a joint have a force.
 
     Raises:
-        InputError: a block that moves and is no support, loads on supports, several gravities, no contact model, blocks without density.
+        InputError: a block that moves and is not a support, loads on supports, several gravities, no contact model, blocks without density.
     """
     try:
         elements = list(problem.model.elements())
@@ -193,7 +193,7 @@ def _displacements(groups: list[Any], blocks: Mapping[int, dict[str, Any]], time
     """Motions of supports that stand for the prescribed displacements and rotations, of which later ones count by component.
 
     Raises:
-        InputError: a block that is no support.
+        InputError: a block that is not a support.
     """
     moved: dict[tuple[int, str], list[float]] = {}
     for group in groups:

@@ -54,7 +54,7 @@ def dataset(arrays: Mapping[str, np.ndarray], blocks: Sequence[Block], joints: J
 
 
 class Frames:
-    """Frames of a stepper, kept as they come: the first is of now. What a run writes of joints counts from where they have settled.
+    """Frames of a stepper, kept as it steps: the first is the current one. What a run writes of joints counts from where they have settled.
 
     Args:
         stepper: of the simulation.

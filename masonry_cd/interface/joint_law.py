@@ -57,7 +57,7 @@ def law_of(given: JointLaw | str) -> JointLaw:
     """A law, or that of an installed package by its name.
 
     Raises:
-        InputError: no package has it, or what it has is no law.
+        InputError: no package has it, or what it has is not a law.
     """
     found = find("joint_laws", given, "law", {}) if isinstance(given, str) else given
     if not isinstance(found, JointLaw):
@@ -139,12 +139,12 @@ class BoundLaw(Pushing):
         every = np.concatenate([force, -force])
         return Pushes(block, every, arms)
 
-    def blocks_changed(self, absent: np.ndarray | None) -> None:
+    def update_blocks(self, absent: np.ndarray | None) -> None:
         """Joints of blocks that are absent, (B,) bool, carry nothing; None: all are there."""
         self._absent = absent
 
     def taken(self) -> None:
-        """The step last asked for was made: what its points remember holds."""
+        """Accept the histories of the points: the last requested step was made."""
         self.history = self._trial
 
     def copied(self) -> BoundLaw:

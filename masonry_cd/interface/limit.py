@@ -57,7 +57,7 @@ class LimitAnalysis(Sealed):
 
     @property
     def factor(self) -> float | None:
-        """The load factor, of associated sliding: an upper value. None where the structure does not stand, where supports move, where no
+        """The load factor, of associated sliding: an upper bound. None where the structure does not stand, where supports move, where no
         factor is finite, or where parts alone were looked at."""
         found: float | None = self.summary.get("associated")
         return found
@@ -94,7 +94,7 @@ class LimitAnalysis(Sealed):
     @property
     def mechanisms(self) -> DataFrame:
         """All mechanisms of the whole and of its parts, the gravest first, with the columns of mechanisms.csv: ``alpha0``, ``e_star``,
-        ``a0_m_s2`` over the confidence factor and ``demand_m_s2``, ``d0_m``, ``displacement_m`` borne and what is asked for, ``ratio`` and
+        ``a0_m_s2`` over the confidence factor and ``demand_m_s2``, ``d0_m``, ``displacement_m`` and its demand, ``ratio`` and
         ``verdict`` of the check that decides.
 
         Without a table ``[limit.check]`` the least a0* comes first, and there is no demand, ratio or verdict.

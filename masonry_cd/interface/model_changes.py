@@ -89,13 +89,13 @@ class ModelChanges:
         self._advance.go_on()
 
     def _take_model(self) -> None:
-        """Have own forces and laws go by the blocks, ties and props that are there now."""
+        """Update own forces and laws to the present blocks, ties and props."""
         forces, absent = self._stepper.system.loads.forces, self._stepper.assembly.absent
         if self._own.own:
             assert isinstance(forces, OwnForces)
             self._own = forces
         for item in self._own.own:
-            item.blocks_changed(absent)
+            item.update_blocks(absent)
 
     def _changes_of_python(self) -> list[Mapping[str, Any]]:
         """As tables, in addition to those of the scene."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run in a folder: its result file, opened when something of it is asked for."""
+"""A run in a folder: its result file, opened on first use."""
 
 from __future__ import annotations
 

@@ -75,10 +75,10 @@ class Pushing(Protocol):
         """The forces in the middle of a step. It may be asked several times for one step, and does not count steps by it."""
 
     def taken(self) -> None:
-        """The step last asked for was made."""
+        """Accept the last requested step."""
         return
 
-    def blocks_changed(self, absent: np.ndarray | None) -> None:
+    def update_blocks(self, absent: np.ndarray | None) -> None:
         """Blocks (B,) bool are absent now; None: all are there."""
         return
 
@@ -197,7 +197,7 @@ class OwnForces:
     dt: float
     end: float = 0.0  # of the run [s]
     axis: int = -1
-    last: Now | None = None  # places last asked for
+    last: Now | None = None  # the last requested places
 
     def acting(
         self,
@@ -298,7 +298,7 @@ class OwnForces:
         return yielded if self.base is None else self.base.yields(position, rotation, yielded)
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
-        """True when forces of the loads do, or own ones on blocks at rest at some time of the run; others are looked at as they come."""
+        """True when forces of the loads do, or own ones on blocks at rest at some time of the run; others are checked as the run goes."""
         if self.base is not None and self.base.leaves_plane(axis, at, centre):
             return True
         still = Now(0.0, centre, np.broadcast_to(np.eye(3), (len(centre), 3, 3)), np.zeros((len(centre), 6)), self.dt)

@@ -97,7 +97,7 @@ class Plots(Sealed):
             measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn with them.
 
         Raises:
-            InputError: the run has no push by displacement, or a file that is no such curve.
+            InputError: the run has no push by displacement, or a file that is not such a curve.
         """
         from masonry_cd.analysis.pushover import require_pushes
         from reports.laboratory import push_figure, read_measured
@@ -232,7 +232,7 @@ class StudyPlots(Sealed):
             measured: a CSV file with the curve of a test, displacement [m] and force [N], to be drawn with them.
 
         Raises:
-            InputError: no run was kept, one has no push by displacement, or a file that is no such curve.
+            InputError: no run was kept, one has no push by displacement, or a file that is not such a curve.
         """
         from masonry_cd.analysis.pushover import require_pushes
         from reports.laboratory import curves_figure, read_measured

@@ -53,7 +53,7 @@ VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
 class Run(RunExports, RunStress):
-    """The results of a run, read from its folder when they are asked for. Made by :func:`masonry_cd.run` and :func:`masonry_cd.open`.
+    """The results of a run, read from its folder on first use. Made by :func:`masonry_cd.run` and :func:`masonry_cd.open`.
 
     Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(run)`` shows the
     closing lines of the command line.
@@ -255,7 +255,7 @@ class Run(RunExports, RunStress):
         names = [curve.name for curve in curves]
         if push and push not in names:
             there = ", ".join(names) or "none"
-            raise InputError("force_displacement", f'"{push}" is no push or prop{suggest(push, names)}; there are {there}')
+            raise InputError("force_displacement", f'"{push}" is not a push or prop{suggest(push, names)}; there are {there}')
         curve = curves[names.index(push) if push else 0]
         columns = {name: getattr(curve, name) for name in ("displacement", "force", "moment", "inertia")}
         return frame_of(columns, curve.time, "time", numbers=curve.numbers().as_dict())

@@ -131,7 +131,7 @@ class Scene(Sealed):
         """The blocks as meshes of COMPAS, for ``json.dump``; :func:`masonry_cd.from_compas` reads them back.
 
         Raises:
-            InputError: a sphere, which is no mesh; see also :attr:`structure`.
+            InputError: a sphere, which is not a mesh; see also :attr:`structure`.
         """
         from masonry_cd.interface.compas import to_compas
 
@@ -188,7 +188,7 @@ class Scene(Sealed):
         return path
 
     def placed(self, folder: Path, force: bool) -> CheckedScene:
-        """The scene as a run in a folder takes it; one made in Python is written there, over what is there where that is asked for."""
+        """The scene as a run in a folder takes it; one made in Python is written there, over existing files where that is requested."""
         if self._files is None:
             return self._checked
         own_files.begin(folder, (*names_of_run(), FILE, *self._own()), is_run)
@@ -218,7 +218,7 @@ class Scene(Sealed):
         tables, run = self._checked.structures or (self._checked.structure,), self._checked.run
         kind = " + ".join(str(table.get("kind", "?")) for table in tables)
         loads = ", ".join(str(load.get("kind", "?")) for load in self._checked.loads) or "gravity"
-        length = f"{run.duration:g} s" if run.timed else "as long as its loads"
+        length = f"{run.duration:g} s" if run.has_duration else "as long as its loads"
         return f'<Scene "{self.title}": {kind}, {loads}, {"limit analysis" if self._checked.static else length}>'
 
     def _repr_html_(self) -> str:

@@ -24,7 +24,7 @@ class Sealed:
         kind = type(self)
         if not (name.startswith("_") or name in _settable(kind) or (name in _declared(kind) and name not in vars(self))):
             known, able = hasattr(kind, name) or name in _declared(kind), sorted(_settable(kind))
-            why = "is only read" if known else f"is no attribute{suggest(name, able)}"
+            why = "is only read" if known else f"is not an attribute{suggest(name, able)}"
             can = f"; what can be set: {', '.join(able)}" if able else ""
             raise AttributeError(
                 f'{kind.__name__}: "{name}" {why}, setting it would change nothing{can}; '

@@ -14,7 +14,7 @@ from masonry_cd.interface.returned import returned
 def select_records(
     source: str | os.PathLike[str] | Mapping[str, Any], folder: str | os.PathLike[str] | None = None, *, force: bool = False
 ) -> dict[str, Any]:
-    """Choose from a folder of records a set whose spectra match that of a site, in their mean and, if requested, their scatter.
+    """Choose from a folder of records a set whose spectra match that of a site in their mean and, if requested, their scatter.
 
     Args:
         source: a selection file; or a dict with its tables, whose paths begin in the working folder.

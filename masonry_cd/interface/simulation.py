@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Simulations: a scene that Python steps, looks into, pushes and changes between its steps.
 
-A step of it is a step of ``masonry-cd run``, to the bit. Nothing is written before :meth:`Simulation.record` is asked for.
+A step of it is a step of ``masonry-cd run``, to the bit. Nothing is written before :meth:`Simulation.record` is called.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ class Simulation(Copies):
             InputError: no such event, or a function that cannot be called so.
         """
         if event not in EVENTS:
-            raise InputError("on", f'"{event}" is no event{suggest(event, EVENTS)}; events: {", ".join(EVENTS)}')
+            raise InputError("on", f'"{event}" is not an event{suggest(event, EVENTS)}; events: {", ".join(EVENTS)}')
         self._events.add(event, function)
         self._touched = True
         return function
@@ -193,7 +193,7 @@ class Simulation(Copies):
             folder: where the run is written; a temporary folder when not given.
             progress: whether to show how far it is.
             force: whether what is in the folder may be overwritten.
-            to: "memory" writes nothing, and returns the frames, what ``run.to_xarray()`` has; :attr:`frames` has them as they come.
+            to: "memory" writes nothing, and returns the frames, what ``run.to_xarray()`` has; :attr:`frames` has them during the run.
 
         There are no checkpoints, so a recorded simulation with functions of Python cannot be resumed.
 

@@ -33,7 +33,7 @@ class Spectrum(Sealed):
         keys: those of a scene, ``table={"path": "site.csv"}`` or ``table={"period": ..., "acceleration": ...}`` among them.
 
     Raises:
-        InputError: a key that does not apply, or a file that is no such table.
+        InputError: a key that does not apply, or a file that is not such a table.
     """
 
     def __init__(self, spectrum: str, *, vertical: bool = False, gravity: float = STANDARD_GRAVITY, **keys: Any) -> None:
@@ -85,7 +85,7 @@ class Spectrum(Sealed):
 
 
 def _periods(period: Any, damping: float) -> np.ndarray:
-    """Periods as an array [s], of which a damping ratio is asked for."""
+    """Periods as an array [s], of which a damping ratio is requested."""
     if not damping > 0.0:
         raise InputError("damping", f"must be above 0, a share of critical, got {damping:g}")
     found = np.asarray(period, dtype=float)

@@ -191,7 +191,7 @@ def study(
     Args:
         source: a study file; or a dict with its tables, whose ``scene`` may be anything that :func:`masonry_cd.scene` takes, and whose
             paths begin in the working folder.
-        folder: for the results, made if need be; runs that have ended there are not made again. By default a temporary one that lasts as
+        folder: for the results, created if missing; runs that have ended there are not repeated. By default a temporary one that lasts as
             long as the study that is returned.
         workers: processes of this machine; ``run.workers`` of the study, or all cores, when not given.
         scheduler: address of a dask scheduler that runs, in their place.

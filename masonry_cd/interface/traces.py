@@ -33,7 +33,7 @@ def from_traces(
         axes: the axis, x, y or z, of each channel; by the last letter of the channel where none are given: E is x, N is y, Z is z.
         scale: a factor on the samples, such as one over the sensitivity.
         quantity: acceleration, velocity or displacement, which the last two are differentiated from; needed where the channel's code, or
-            what was done to the trace, says that it is no acceleration.
+            what was done to the trace, says that it is not an acceleration.
         units: of the samples times the factors; SI where they are not given.
         calibration: what one count means in these units; needed, or ``scale``, where the samples are whole numbers.
         keys: of the table, ``correction`` and the like.

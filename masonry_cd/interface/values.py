@@ -34,7 +34,7 @@ def plain(value: Any, key: str) -> Any:
         return os.fspath(value)
     if isinstance(value, str | bool | int | float):
         return value
-    raise InputError(key or "scene", f"a {type(value).__name__} is no value of a scene")
+    raise InputError(key or "scene", f"a {type(value).__name__} is not a value of a scene")
 
 
 def changes(tables: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> Iterator[str]:

@@ -73,19 +73,19 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     except Exception as reason:  # damaged bytes make the readers of zip files, arrays and JSON raise whatever they like
         raise Damaged(path, f"not a readable checkpoint: {in_a_line(reason)}") from None
     if not isinstance(numbers, dict):
-        raise Damaged(path, "not a readable checkpoint: it holds no table of numbers")
+        raise Damaged(path, "not a readable checkpoint: it has no table of numbers")
     if (form := numbers.get("format")) != FORMAT:
         which = "a newer" if isinstance(form, int) and form > FORMAT else "an older" if isinstance(form, int) else "another"
         raise InputError(
             path,
-            f"of format {form!r}, written by {which} version of masonry_cd, which alone continues from it; start again with --force",
+            f"has format {form!r} of {which} version of masonry_cd; resume with that version, or start again with --force",
         )
     if checksum != _checksum(arrays, text):
-        raise Damaged(path, "not a readable checkpoint: its checksum is not that of its content")
+        raise Damaged(path, "not a readable checkpoint: its checksum does not match its content")
     return arrays, numbers
 
 
-def mend(path: Path, check: Check = lambda arrays, numbers: None) -> str:
+def repair(path: Path, check: Check = lambda arrays, numbers: None) -> str:
     """Put the checkpoint before the last one in its place where the last one is damaged or gone; return a line that says so, or "".
 
     Args:
@@ -107,7 +107,7 @@ def mend(path: Path, check: Check = lambda arrays, numbers: None) -> str:
             else:
                 if file == older:
                     older.replace(path)
-                return f"{refused[0]}; the run continues from the one before" if refused else ""
+                return f"{refused[0]}; the run continues from the previous checkpoint" if refused else ""
     raise refused[0]
 
 

@@ -37,12 +37,12 @@ class Deck:
         """
         for block in self.assembly.blocks:
             if block.radius or block.carried is not None:
-                what = "is a sphere; decks have polyhedra" if block.radius else "carries fill, of which decks know nothing"
+                what = "is a sphere, but decks have polyhedra only" if block.radius else "carries fill, which decks cannot represent"
                 raise InputError("--format", f'block "{block.name}" {what}')
         if self.assembly.planes is not None:
-            raise InputError("--format", "decks have stones that do not break, and those of this scene crack (material.stones)")
+            raise InputError("--format", "decks have intact stones only, but those of this scene crack (material.stones)")
         if self.assembly.deformation is not None:
-            raise InputError("--format", "decks have rigid blocks, and those of this scene deform (material.deformable)")
+            raise InputError("--format", "decks have rigid blocks only, but those of this scene deform (material.deformable)")
 
     @property
     def steps(self) -> int:

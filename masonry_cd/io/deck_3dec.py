@@ -29,14 +29,16 @@ def files(deck: Deck) -> dict[str, str]:
     """
     laws = deck.assembly.laws
     if any(not laws.normal_stiffness[i, j] > 0.0 for _, _, i, j in deck.pairs()):
-        raise InputError("--format", "3DEC has springs in all joints; give material.joints a normal_stiffness for each pair of groups")
+        raise InputError(
+            "--format", "3DEC needs a stiffness in all joints; give material.joints a normal_stiffness for each pair of groups"
+        )
     if laws.crushing.any():
-        raise InputError("--format", "the joint law of 3DEC does not crush, and some of this scene do (compressive_strength)")
+        raise InputError("--format", "joints of 3DEC do not crush, but some of this scene do (compressive_strength)")
     if laws.fracture.any():
-        raise InputError("--format", "bonds of this deck break at once, and some of this scene soften (fracture_energy)")
+        raise InputError("--format", "bonds of 3DEC decks break at once, but some of this scene soften (fracture_energy)")
     for block in deck.assembly.blocks:
         if len(block.convex_parts) > 1:
-            raise InputError("--format", f'block "{block.name}" is not convex; blocks of 3DEC are')
+            raise InputError("--format", f'block "{block.name}" is not convex, and 3DEC needs convex blocks')
     return {"deck.3ddat": "\n".join(_lines(deck)) + "\n"}
 
 
@@ -53,7 +55,7 @@ def _lines(deck: Deck) -> Iterator[str]:
     for group, own in groups.items():
         densities = {a.blocks[b].density for b in own}
         if len(densities) > 1:
-            raise InputError("--format", f'blocks of the group "{group}" have several densities; one for each group is needed')
+            raise InputError("--format", f'blocks of the group "{group}" have several densities; give each group one density')
         yield f"block property density {densities.pop()!r} range group {_quoted(group)}"
     yield from ("", "; joints", "block contact generate-subcontacts", "block contact jmodel assign mohr")
     entries = [(_law(deck, i, j), f"range group-intersection {_quoted(one)} {_quoted(other)}") for one, other, i, j in deck.pairs()]

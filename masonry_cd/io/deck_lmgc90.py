@@ -33,7 +33,9 @@ def files(deck: Deck) -> dict[str, str]:
         InputError: joints that are elastic or bonded.
     """
     if deck.assembly.laws.by_area.any():
-        raise InputError("--format", "a deck of LMGC90 has rigid dry joints, and some here are elastic or bonded (material.joints)")
+        raise InputError(
+            "--format", "LMGC90 decks have rigid dry joints only, but some of this scene are elastic or bonded (material.joints)"
+        )
     colours, materials = _short(deck.groups()), _materials(deck)
     start = "\n! {}\n\n$steps        0              time= 0.0000000D+00\n"
     made = {

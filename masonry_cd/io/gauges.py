@@ -111,7 +111,7 @@ def read_gauges(file: h5py.File) -> Gauges:
             **{name: tuple(kind(**{k: _tuple(v) for k, v in row.items()}) for row in rows[name]) for name, kind in _KINDS.items()}
         )
     except (ValueError, TypeError, KeyError, AttributeError):
-        raise InputError(file.filename, "damaged: its gauges are not what a run writes") from None
+        raise InputError(file.filename, "damaged: its gauges do not have the format of a run") from None
 
 
 def _tuple(value: Any) -> Any:

@@ -32,7 +32,7 @@ READ_ERRORS = (OSError, RuntimeError, ValueError, KeyError, TypeError)  # what b
 
 
 class TruncatedFile(OSError):
-    """A file that ends before its content does."""
+    """A truncated file."""
 
 
 class _Source(io.RawIOBase):
@@ -65,8 +65,8 @@ class _Source(io.RawIOBase):
             raise InputError(self._path, "damaged: its header cannot be read")
         if not marks and end > self._size:
             raise TruncatedFile
-        mended = SUPERBLOCK.pack(signature, version, offsets, lengths, 0, base, extension, self._size, root, 0)[:-4]
-        return mended + struct.pack("<I", lookup3(mended)), bool(marks)
+        repaired = SUPERBLOCK.pack(signature, version, offsets, lengths, 0, base, extension, self._size, root, 0)[:-4]
+        return repaired + struct.pack("<I", lookup3(repaired)), bool(marks)
 
     def seekable(self) -> bool:
         """Return True if there is :meth:`seek`."""
@@ -92,7 +92,7 @@ class _Source(io.RawIOBase):
         """
         place, wanted = self._file.tell(), len(buffer)
         if place + wanted > self._size or self._file.readinto(buffer) != wanted:
-            raise TruncatedFile(f"{self._path}: ends before its content does")
+            raise TruncatedFile(f"{self._path}: is truncated")
         if place < len(self._head):
             known = self._head[place : place + wanted]
             buffer[: len(known)] = known
@@ -118,7 +118,7 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
     except TruncatedFile:
         raise InputError(path, "truncated: parts of the file are missing, perhaps because a copy was interrupted") from None
     except IsADirectoryError:
-        raise InputError(path, "is a folder, no file") from None
+        raise InputError(path, "is a folder, not a file") from None
     except (OSError, EOFError, RuntimeError, ValueError, KeyError) as reason:
         if isinstance(reason, InputError | PermissionError):
             raise

@@ -78,7 +78,7 @@ def _lives(file: Path, holder: dict[str, Any]) -> str:
     try:
         handle = hold(file)
     except BlockingIOError:
-        return ": wait until it ends, or choose another folder"
+        return ": wait until it finishes, or choose another folder"
     except OSError:  # a lock that may be read and not written
         handle = None
     if handle is not None:
@@ -86,9 +86,9 @@ def _lives(file: Path, holder: dict[str, Any]) -> str:
         if holder.get("held") and _boot(holder["started"]) and _boot(holder["started"]) == _boot(started(os.getpid())):
             return ""
     if holder["host"] != socket.gethostname():
-        return f", which may still be running: if its machine or container has ended, remove {file} and repeat"
+        return f", which may still be active: if its machine or container has stopped, remove {file} and repeat"
     lives = holder["started"] != "" and started(holder["pid"]) == holder["started"]
-    return f"; where that is wrong, remove {file}" if lives else ""
+    return f"; if that process is not a run, remove {file}" if lives else ""
 
 
 def _boot(when: Any) -> str:

@@ -56,7 +56,7 @@ def read_problem(path: Path | str) -> Problem:
         return _read_npz(path)
     if path.suffix in HDF5:
         return _read_fclib(path)
-    raise InputError(path, f'unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+    raise InputError(path, f'unknown format "{path.suffix}"; write .npz or FCLIB in HDF5 ({", ".join(HDF5)})')
 
 
 def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
@@ -71,7 +71,7 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
     elif path.suffix in HDF5:
         _write_fclib(path, problem, title)
     else:
-        raise InputError(path, f'unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+        raise InputError(path, f'unknown format "{path.suffix}"; write .npz or FCLIB in HDF5 ({", ".join(HDF5)})')
 
 
 def _read_npz(path: Path) -> Problem:
@@ -128,7 +128,7 @@ def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> spar
 def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool = False) -> np.ndarray:
     """A one-dimensional array of finite numbers that can be squared, or of ``whole`` ones."""
     if name not in arrays:
-        raise InputError(path, f"{name} is missing{suggest(name, arrays)}; it holds {', '.join(arrays) or 'nothing'}")
+        raise InputError(path, f"{name} is missing{suggest(name, arrays)}; the file has {', '.join(arrays) or 'nothing'}")
     out = np.asarray(arrays[name]).ravel()
     if out.dtype.kind not in "fiu":
         raise InputError(path, f"{name} should hold real numbers, not {out.dtype.name}")
@@ -136,7 +136,7 @@ def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool
     for wrong, what in (
         (~np.isfinite(numbers), "is not a finite number"),
         (np.abs(numbers) > LARGEST, "is too large to be squared"),
-        ((numbers != np.floor(numbers)) & whole, "is no whole number"),
+        ((numbers != np.floor(numbers)) & whole, "is not a whole number"),
     ):
         if wrong.any():
             raise InputError(path, f"{name}[{int(np.argmax(wrong))}] {what}")
@@ -152,7 +152,7 @@ def _read_fclib(path: Path) -> Problem:
         form = next((name for name in FORMS if isinstance(file.get(name), h5py.Group)), None)
         if form is None:
             _refuse_other_kinds(path, file)
-            raise InputError(path, "an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+            raise InputError(path, "an HDF5 file, but not an FCLIB file: it has neither fclib_local nor fclib_global")
         group, (equalities, matrices, vectors) = file[form], FORMS[form]
         _refuse_equalities(path, group, equalities)
         whole = datasets(group)
@@ -191,7 +191,7 @@ def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
     """One whole number."""
     found = _vector(path, arrays, name, whole=True)
     if len(found) != 1:
-        raise InputError(path, f"{name} should be one number, it holds {len(found)}")
+        raise InputError(path, f"{name} should be one number, but has {len(found)} entries")
     return int(found[0])
 
 
@@ -210,7 +210,7 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
     i, p = (_vector(path, arrays, f"{where}/{key}", whole=True) for key in ("i", "p"))
     x = _vector(path, arrays, f"{where}/x")
     if nz > min(len(i), len(p), len(x)):
-        raise InputError(path, f"{where}/nz counts {nz} entries, more than i, p and x hold")
+        raise InputError(path, f"{where}/nz states {nz} entries, more than i, p and x have")
     try:
         if nz >= 0:
             return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
@@ -227,7 +227,7 @@ def _write_fclib(path: Path, problem: Problem, title: str) -> None:
     """Write a problem over bodies as a global problem, one in the impulses as a local problem."""
     if isinstance(problem, FrictionProblem):
         if problem.compliance.any():
-            raise InputError(path, "a global FCLIB problem has no place for elastic contacts; write .npz, or the local problem")
+            raise InputError(path, "a global FCLIB problem cannot store elastic contacts; write .npz, or the local problem")
         mass, h, f, w = _global_form(problem)
         kind, matrices, vectors = "fclib_global", {"M": mass, "H": h}, {"f": f, "w": w}
     else:
@@ -278,7 +278,7 @@ def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray)
         return 3
     m = len(vector) // max(len(mu), 1)
     if m not in (2, 3) or m * len(mu) != len(vector):
-        raise InputError(path, f"{name} has {len(vector)} entries, for {len(mu)} contacts it should have 3 (planar: 2) each")
+        raise InputError(path, f"{name} has {len(vector)} entries, but needs 3 for each of {len(mu)} contacts (planar: 2)")
     return m
 
 
@@ -300,7 +300,7 @@ def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
     largest = abs(matrix).max() if matrix.nnz else 0.0
     skew = abs(matrix - matrix.T).max() if matrix.nnz else 0.0
     if skew > UNSYMMETRIC * largest:
-        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is allowed for rounding"
+        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} may come from rounding"
         raise InputError(path, f"{name} is unsymmetric {said}")
 
 

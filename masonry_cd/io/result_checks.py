@@ -38,7 +38,7 @@ def check_constants(file: h5py.File, path: Path) -> Sizes:
     """
     needed = ("time", *(name for name in CONSTANTS if not BY_NAME[name].when))
     if missing := next((name for name in needed if name not in file), ""):
-        raise InputError(path, f"not the result of a run, or one that ended before its first frame (it has no {missing})")
+        raise InputError(path, f"not the result of a run, or of a run that ended before its first frame (it has no {missing})")
     sizes: Sizes = {}
     found = {name: _read(file, path, BY_NAME[name], sizes) for name in CONSTANTS if name in file or name in needed}
     found |= {f"joints/peak/{name}": _read(file, path, BY_NAME[f"joints/peak/{name}"], sizes) for name in JOINT_PEAKS}
@@ -46,9 +46,9 @@ def check_constants(file: h5py.File, path: Path) -> Sizes:
     _check_lists(path, found, (("blocks/vertex_start", "corners"), ("blocks/face_start", "faces"), ("blocks/loop_start", "entries")), sizes)
     of_face = np.repeat(np.arange(blocks), np.diff(found["blocks/face_start"]))
     of_loop = np.repeat(of_face, np.diff(found["blocks/loop_start"]))
-    _indices(path, "blocks/loops", found["blocks/loops"], np.diff(found["blocks/vertex_start"])[of_loop])
+    _check_indices(path, "blocks/loops", found["blocks/loops"], np.diff(found["blocks/vertex_start"])[of_loop])
     for name in ("joints/block_a", "joints/block_b"):
-        _indices(path, name, found[name], blocks)
+        _check_indices(path, name, found[name], blocks)
     _check_lists(path, found, (("joints/polygon_start", "points"),), sizes)
     if "blocks/fill_block" in found:
         _check_fill(file, path, found, sizes)
@@ -68,23 +68,23 @@ def _check_fill(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], si
     for name in (one.name for one in DATASETS if one.name.startswith("blocks/fill_")):
         if name not in file:
             raise InputError(path, f"damaged: {name} is missing")
-    _indices(path, "blocks/fill_block", found["blocks/fill_block"], sizes["B"])
+    _check_indices(path, "blocks/fill_block", found["blocks/fill_block"], sizes["B"])
     _check_lists(path, found, (("blocks/fill_start", "fill corners"),), sizes)
     numbers = np.concatenate([found["blocks/fill_level"], found["blocks/fill_corners"].ravel()])
     if not np.isfinite(numbers).all() or (np.diff(found["blocks/fill_start"]) < 3).any():
-        raise InputError(path, "blocks/fill_corners are not those of faces")
+        raise InputError(path, "blocks/fill_corners do not belong to faces")
 
 
 def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray) -> None:
     """Check the radii of spheres, 0 of polyhedra; a sphere has one vertex, its centre."""
     if not ((radii >= 0.0) & (radii < np.inf)).all() or (np.diff(vertex_start)[radii > 0.0] != 1).any():
-        raise InputError(path, "blocks/radius is not that of spheres")
+        raise InputError(path, "blocks/radius does not match the spheres")
 
 
 def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:
     """Check the number of the support to which displacements are relative, -1 for none."""
     if not -1 <= support[0] < len(fixed) or (support[0] >= 0 and not fixed[support[0]]):
-        raise InputError(path, "blocks/support is no support")
+        raise InputError(path, "blocks/support is not a support")
 
 
 def _check_meshes(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], sizes: Sizes) -> None:
@@ -92,11 +92,11 @@ def _check_meshes(file: h5py.File, path: Path, found: Mapping[str, np.ndarray], 
     for name in (one.name for one in DATASETS if one.name.startswith("meshes/")):
         if name not in file:
             raise InputError(path, f"damaged: {name} is missing")
-    _indices(path, "meshes/block", found["meshes/block"], sizes["B"])
+    _check_indices(path, "meshes/block", found["meshes/block"], sizes["B"])
     _check_lists(path, found, (("meshes/node_start", "V"), ("meshes/element_start", "E")), sizes)
     if sizes["d"] not in (2, 3):
         raise InputError(path, f"meshes/elements should have 3 or 4 nodes each, not {sizes['d'] + 1}")
-    _indices(path, "meshes/elements", found["meshes/elements"].ravel(), sizes["V"])
+    _check_indices(path, "meshes/elements", found["meshes/elements"].ravel(), sizes["V"])
 
 
 def _check_step_peaks(file: h5py.File, path: Path, sizes: Sizes) -> None:
@@ -105,7 +105,7 @@ def _check_step_peaks(file: h5py.File, path: Path, sizes: Sizes) -> None:
         _read(file, path, BY_NAME[f"peaks/{name}"], sizes)
     checksum = file.get("segments/step_peaks")
     if not isinstance(checksum, h5py.Dataset) or checksum.shape != (1,) or checksum.dtype.kind not in WHOLE:
-        raise InputError(path, f"segments/step_peaks is not what a run writes ({KINDS[WHOLE]})")
+        raise InputError(path, f"segments/step_peaks should have {KINDS[WHOLE]}")
 
 
 def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: Sizes) -> None:
@@ -123,13 +123,13 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int], sizes: S
             or not dataset.shape
             or not _fits(one.shape[1:], dataset.shape[1:], sizes)
         ):
-            raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
+            raise InputError(path, f"{one.name} should have {_described(one)}")
     for name in rows:
         dataset = there[name]
         if not isinstance(dataset, h5py.Dataset):
             raise InputError(path, f"damaged: {name} is missing")
         if name not in BY_NAME and (dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE):
-            raise InputError(path, f"{name} is not what a run writes (a number per step)")
+            raise InputError(path, f"{name} should have a number per step")
 
 
 def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
@@ -149,7 +149,7 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     try:
         file.visititems(visit)
     except READ_ERRORS:
-        raise InputError(path, "damaged: not all of it can be read") from None
+        raise InputError(path, "damaged: parts of it cannot be read") from None
     return found
 
 
@@ -157,9 +157,9 @@ def _read(file: h5py.File, path: Path, one: Dataset, sizes: Sizes) -> np.ndarray
     """A dataset that does not grow, read; its dimensions are those that are known, or become known."""
     dataset = file.get(one.name)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in one.kind or dataset.ndim < 1:
-        raise InputError(path, f"{one.name} is not what a run writes ({_described(one)})")
+        raise InputError(path, f"{one.name} should have {_described(one)}")
     if dataset.nbytes > dataset.id.get_storage_size() or dataset.external or dataset.is_virtual:
-        raise InputError(path, f"{one.name} is larger than what the file holds of it")
+        raise InputError(path, f"{one.name} has more entries than the file stores")
     if not _fits(one.shape, dataset.shape, sizes):
         raise InputError(path, f"{one.name} should have the shape {_shape_in_words(one, sizes)}, not {dataset.shape}")
     return np.asarray(dataset[...])
@@ -191,13 +191,13 @@ def _check_lists(path: Path, found: Mapping[str, np.ndarray], lists: tuple[tuple
     for name, end in lists:
         starts = found[name]
         if starts[0] != 0 or starts[-1] != sizes[end] or (np.diff(starts.astype(np.int64)) < 0).any():
-            raise InputError(path, f"{name} does not divide its {sizes[end]} entries")
+            raise InputError(path, f"{name} does not partition its {sizes[end]} entries")
 
 
-def _indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
+def _check_indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
     """Check indices into something of a given number of entries."""
     if (indices < 0).any() or (indices >= count).any():
-        raise InputError(path, f"{name} points beyond what there is")
+        raise InputError(path, f"{name} has indices out of range")
 
 
 def _described(one: Dataset) -> str:

@@ -285,7 +285,7 @@ def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) ->
     """
     segments = results.segments_up_to(rows)
     if mark is not None and _mark(results.file, results.file, rows) != mark:
-        raise InputError(results.path, "the checkpoint next to it belongs to other results: it cannot be resumed")
+        raise InputError(results.path, "the checkpoint next to it belongs to other results, so the run cannot be resumed")
     return segments
 
 

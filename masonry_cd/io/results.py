@@ -59,14 +59,14 @@ class Results:
         self.file, self.path = file, path
         self.format = int(file.attrs.get("format", 0))  # 0: from before there were checksums
         if self.format > FORMAT:
-            raise InputError(path, f"of format {self.format}, which a newer masonry_cd wrote; this one reads formats up to {FORMAT}")
+            raise InputError(path, f"has format {self.format} of a newer masonry_cd; this version reads formats up to {FORMAT}")
         self.words: tuple[str, ...] = ()  # what is damaged, a line each
         sizes = check_constants(file, path)
         self._segments = Segments(file, unfinished, sums) if self.format else None
         self._peaks_hold = self.format == 0 or checksum_of_peaks(file) == int(file["segments/peaks"][0])
         self._step_peaks_hold = "peaks" in file and checksum_of_step_peaks(file) == int(file["segments/step_peaks"][0])
         if self.format and checksum_of_constants(file) != file.attrs["constant"]:
-            raise InputError(path, "damaged: its blocks, its joints or its scene are not those that were written")
+            raise InputError(path, "damaged: its blocks, joints or scene have changed since they were written")
         self._rows = rows_that_read(file, path) if self._segments is None else self._segments.last
         check_growing(file, path, self._rows, sizes)
         self._say_what_is_damaged(unfinished)
@@ -75,15 +75,17 @@ class Results:
         """Fill ``words``; refuse a file of which no frame holds."""
         damaged = self._segments is not None and self._segments.damaged
         if not self.frames:
-            what = "damaged from its first frame on" if damaged else "not the result of a run, or one that ended before its first frame"
+            what = (
+                "damaged from its first frame on" if damaged else "not the result of a run, or of a run that ended before its first frame"
+            )
             raise InputError(self.path, str(what))
         lines = []
         if damaged:
-            lines.append(f"{self.path}: damaged; what follows {self.time[-1]:.6g} s is left out ({self.frames} frames hold)")
+            lines.append(f"{self.path}: damaged; data after {self.time[-1]:.6g} s is left out ({self.frames} frames are intact)")
         if not self._peaks_hold and not unfinished:
-            lines.append(f"{self.path}: the largest measures of the joints are damaged; those of the frames are taken")
+            lines.append(f"{self.path}: the largest values of the joints are damaged; the largest values of the frames are used")
         if "peaks" in self.file and not self._step_peaks_hold and not unfinished:
-            lines.append(f"{self.path}: the largest drifts and hinges are damaged; those of the frames are taken")
+            lines.append(f"{self.path}: the largest drifts and hinges are damaged; the largest values of the frames are used")
         self.words = tuple(lines)
 
     @classmethod
@@ -127,11 +129,11 @@ class Results:
             InputError: the file has fewer rows that hold, or no segment ends there.
         """
         if self._segments is None or any(self.rows(name) < count for name, count in rows.items()):
-            damage = " (what follows is damaged)" if self.words else ""
-            raise InputError(self.path, f"holds less than its checkpoint says{damage}: it cannot be resumed")
+            damage = " (later data is damaged)" if self.words else ""
+            raise InputError(self.path, f"has fewer frames than its checkpoint{damage}, so the run cannot be resumed")
         found = self._segments.ending_at(rows)
         if found is None:
-            raise InputError(self.path, "the checkpoint next to it belongs to other results: it cannot be resumed")
+            raise InputError(self.path, "the checkpoint next to it belongs to other results, so the run cannot be resumed")
         return found
 
     @cached_property
@@ -245,7 +247,7 @@ class Results:
         return self.file[NODE_DISPLACEMENT]
 
     def in_chunks(self, numbers: int) -> Iterator[slice]:
-        """Slices of the frames in their order, of some 16 MB each where a frame has so many ``numbers``: so a long run needs no memory."""
+        """Slices of the frames in their order, of some 16 MB each where a frame has this many ``numbers``, for little memory."""
         rows = max(1, CHUNK_BYTES // (8 * numbers))
         for first in range(0, self.frames, rows):
             yield slice(first, min(first + rows, self.frames))
@@ -284,7 +286,7 @@ class Results:
         return found if self._step_peaks_hold else {name: np.full_like(values, np.nan) for name, values in found.items()}
 
     @property
-    def peaks_of_steps(self) -> bool:
+    def has_peaks_of_steps(self) -> bool:
         """Return True if the largest drifts, displacements and hinges are known over all steps, not only over the frames."""
         return self._step_peaks_hold and not np.isnan(self.file["peaks/drift"][...]).any()
 

@@ -40,7 +40,7 @@ def npz_arrays(path: Path) -> dict[str, np.ndarray]:
     except InputError:
         raise
     except (*BROKEN, *NO_ZIP) as failure:
-        raise InputError(path, f"no .npz file that can be read ({in_a_line(failure)})") from None
+        raise InputError(path, f"not a readable .npz file ({in_a_line(failure)})") from None
 
 
 @contextmanager
@@ -58,7 +58,7 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
     except InputError:
         raise
     except BROKEN as failure:
-        raise InputError(path, f"no HDF5 file that can be read ({in_a_line(failure)})") from None
+        raise InputError(path, f"not a readable HDF5 file ({in_a_line(failure)})") from None
 
 
 def datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
@@ -72,11 +72,11 @@ def datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[
         path = Path(group.file.filename)
         for name in group:
             if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
-                raise InputError(path, f"{prefix}{name} lies in another file")
+                raise InputError(path, f"{prefix}{name} is a link to another file")
             item = group.get(name)
             if isinstance(item, h5py.Dataset):
                 if item.external:
-                    raise InputError(path, f"{prefix}{name} keeps its data in another file")
+                    raise InputError(path, f"{prefix}{name} stores its data in another file")
                 _check_size(path, float(item.size or 0) * item.dtype.itemsize)
                 found[prefix + name] = np.asarray(item)
     return found
@@ -85,4 +85,4 @@ def datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[
 def _check_size(path: Path, size: float) -> None:
     """Refuse arrays that are too large [B]."""
     if size > MOST:
-        raise InputError(path, f"announces arrays of {size / 1e9:.3g} GB, at most {MOST / 1e9:g} GB are read")
+        raise InputError(path, f"has arrays of {size / 1e9:.3g} GB; the limit is {MOST / 1e9:g} GB")

@@ -38,133 +38,133 @@ class SummaryTable(BaseModel):
 
 
 class Solver(SummaryTable):
-    """How the contact forces of the steps were found."""
+    """The solution of the contact forces of the steps."""
 
-    name: Annotated[str, "the method"] = ""
-    threads: Annotated[Count, "number that pays off for the contacts of the run"] = 1
-    tolerance: Annotated[Real, "natural map error that each step was to reach"] = 0.0
-    seed: Annotated[Count, "of random orders"] = 0
-    iterations_mean: Annotated[Real, "of a step"] = 0.0
-    iterations_max: Annotated[Count, "of a step"] = 0
+    name: Annotated[str, "name of the method"] = ""
+    threads: Annotated[Count, "number of threads that pays off for the contacts of the run"] = 1
+    tolerance: Annotated[Real, "natural map error required in each step"] = 0.0
+    seed: Annotated[Count, "seed of random orders"] = 0
+    iterations_mean: Annotated[Real, "mean number of iterations of a step"] = 0.0
+    iterations_max: Annotated[Count, "largest number of iterations of a step"] = 0
     error_max: Annotated[Real, "largest natural map error of a step"] = 0.0
     error_mean: Annotated[Real, "mean natural map error of a step"] = 0.0
-    violation_max: Annotated[Speed | None, "fastest motion against the contact laws in a step"] = None
-    false_slip_max: Annotated[Metres | None, "slip that such motions have added up to at a contact that friction should have held"] = None
-    false_slip_where: Annotated[str, "its blocks and time, where it is large enough against the size of the structure to count"] = ""
-    false_opening_max: Annotated[Metres | None, "opening that such a motion has left at a contact"] = None
+    violation_max: Annotated[Speed | None, "largest velocity that violates the contact laws in a step"] = None
+    false_slip_max: Annotated[Metres | None, "largest slip from such velocities, at a contact that friction should have held"] = None
+    false_slip_where: Annotated[str, "blocks and time of that slip, if it is large compared with the structure"] = ""
+    false_opening_max: Annotated[Metres | None, "largest opening that such a velocity left at a contact"] = None
     steps_missed: Annotated[Count, "steps whose error is above the tolerance"] = 0
     accept: Annotated[Real, "error up to which a step that missed its tolerance is accepted"] = 0.0
     steps_accepted: Annotated[Count, "steps that missed the tolerance and are accepted"] = 0
-    reasons: Annotated[dict[str, Count], "why the solver ended its steps, and in how many; # stands for numbers"] = {}
-    error_reached: Annotated[Real | None, "error that all but a hundredth of the steps reached"] = None
-    tolerance_sound: Annotated[Real | None, "tolerance up to which ensembles of buildings on such joints show no bias"] = None
+    reasons: Annotated[dict[str, Count], "reasons why the solver ended steps, with the number of steps; # is a number"] = {}
+    error_reached: Annotated[Real | None, "error that 99 % of the steps reached"] = None
+    tolerance_sound: Annotated[Real | None, "tolerance below which ensembles of buildings on such joints show no bias"] = None
 
 
 class IslandCounts(SummaryTable):
-    """Groups of blocks that touch one another only through supports."""
+    """Islands: groups of blocks that touch each other only through supports."""
 
-    mean: Annotated[Real, "number of them in a step"] = 0.0
-    max: Annotated[Count, "largest number of them in a step"] = 0
-    sleeping_mean: Annotated[Real, "share of the blocks that slept, since they were at rest"] = 0.0
+    mean: Annotated[Real, "mean number of islands in a step"] = 0.0
+    max: Annotated[Count, "largest number of islands in a step"] = 0
+    sleeping_mean: Annotated[Real, "mean share of the blocks that slept because they were at rest"] = 0.0
 
 
 class SkippedWork(SummaryTable):
-    """Work that the steps did not have to do."""
+    """Work that the steps did not need."""
 
-    steps_without_iterations: Annotated[Count, "steps that the impulses of the step before solved"] = 0
-    broad_phases: Annotated[Count, "searches for pairs of blocks that were made after all"] = 0
+    steps_without_iterations: Annotated[Count, "steps that the impulses of the previous step solved"] = 0
+    broad_phases: Annotated[Count, "searches for pairs of blocks that were necessary"] = 0
     pairs_not_looked_at: Annotated[Count, "pairs that could not have met"] = 0
-    pairs_with_points_kept: Annotated[Count, "pairs that had not moved"] = 0
+    pairs_with_points_kept: Annotated[Count, "pairs that had not moved, with their points kept"] = 0
     pairs_with_points_found: Annotated[Count, "pairs whose contact points were found"] = 0
-    pairs_with_faces_searched: Annotated[Count, "pairs whose faces were searched for the touching ones"] = 0
+    pairs_with_faces_searched: Annotated[Count, "pairs whose faces were searched for those in contact"] = 0
 
 
 class ClosingSteps(SummaryTable):
     """Steps that left contacts closing, so that overlaps grow."""
 
-    steps: Annotated[Count, "how many"] = 0
-    speed_max: Annotated[Speed, "of the fastest contact"] = 0.0
-    jam: Annotated[str, "what leaves such steps no solution; empty where nothing is known to"] = ""
+    steps: Annotated[Count, "number of such steps"] = 0
+    speed_max: Annotated[Speed, "speed of the fastest closing contact"] = 0.0
+    jam: Annotated[str, "reason why such steps have no solution; empty if none is known"] = ""
 
 
 class Energy(SummaryTable):
-    """Totals at the end of the run, and how well they balance."""
+    """Energies at the end of the run, and the error of their balance."""
 
     kinetic_end: Annotated[Joules, "kinetic energy"] = 0.0
-    elastic: Annotated[Joules, "energy in springs of joints and in blocks that deform"] = 0.0
+    elastic: Annotated[Joules, "energy in the springs of joints and in deformed blocks"] = 0.0
     friction: Annotated[Joules, "dissipated by friction"] = 0.0
     impact: Annotated[Joules, "lost in impacts"] = 0.0
     damping: Annotated[Joules, "lost to damping"] = 0.0
-    bond: Annotated[Joules, "taken by bonds that soften"] = 0.0
-    crushing: Annotated[Joules, "dissipated where joints crush"] = 0.0
-    ground: Annotated[Joules, "energy in springs of the ground below footings"] = 0.0
-    radiation: Annotated[Joules, "taken by the dashpots of that ground"] = 0.0
+    bond: Annotated[Joules, "dissipated by bonds that soften"] = 0.0
+    crushing: Annotated[Joules, "dissipated by joints that crush"] = 0.0
+    ground: Annotated[Joules, "energy in the springs of the ground below footings"] = 0.0
+    radiation: Annotated[Joules, "dissipated by the dashpots of the ground"] = 0.0
     base_work: Annotated[Joules, "work of the supports"] = 0.0
-    gravity_work: Annotated[Joules, "work of gravity and of what pulls at all blocks alike"] = 0.0
+    gravity_work: Annotated[Joules, "work of gravity and of other accelerations of all blocks"] = 0.0
     force_work: Annotated[Joules, "work of forces on blocks"] = 0.0
-    change_work: Annotated[Joules, "energy that changes of the model put in; below zero: took out"] = 0.0
+    change_work: Annotated[Joules, "energy added by changes of the model; negative if they removed energy"] = 0.0
     correction: Annotated[Joules, "work of lifting blocks out of overlaps, which is not part of the balance"] = 0.0
-    balance: Annotated[Joules, "what is put in less where it went"] = 0.0
-    balance_error: Annotated[Real, "largest imbalance over the largest work done, or kinetic energy reached"] = 0.0
+    balance: Annotated[Joules, "work done less stored and dissipated energy"] = 0.0
+    balance_error: Annotated[Real, "largest imbalance over the largest work done or kinetic energy"] = 0.0
     balance_max: Annotated[Joules, "largest imbalance"] = 0.0
-    at_rest: Annotated[Flag, "works stayed below what solving to the tolerance leaves, so that they are no measure"] = False
+    at_rest: Annotated[Flag, "the work is too small, compared with the tolerance of the solver, to judge the balance"] = False
     lift_share: Annotated[Real, "work of lifting blocks out of overlaps over the largest work"] = 0.0
 
 
 class ActedLoad(SummaryTable):
-    """How much of a load has acted by the end of the run."""
+    """The share of a load that has acted by the end of the run."""
 
-    load: Annotated[str, "its place in the scene"] = ""
-    measure: Annotated[str, "what it is a share of, Arias intensity for example"] = ""
-    share: Annotated[Real, "from 0 to 1"] = 1.0
+    load: Annotated[str, "name of the load by its place in the scene"] = ""
+    measure: Annotated[str, "quantity of which the share is taken, such as Arias intensity"] = ""
+    share: Annotated[Real, "share that has acted, from 0 to 1"] = 1.0
 
 
 class BaseMotion(SummaryTable):
-    """How the supports are driven."""
+    """The motion of the supports."""
 
-    motions: Annotated[Count, "how many different ones"] = 1
-    peak_speed: Annotated[Speed, "largest"] = 0.0
-    end_speed: Annotated[Speed, "at the end of the loads"] = 0.0
-    peak_displacement: Annotated[tuple[Metres, ...], "largest, along x, y and z"] = ()
-    end_displacement: Annotated[tuple[Metres, ...], "at the end of the loads"] = ()
-    largest_difference: Annotated[Metres, "by which supports come apart"] = 0.0
-    peak_rotation: Annotated[Real, Unit("degrees"), "largest angle by which one turns"] = 0.0
+    motions: Annotated[Count, "number of different motions"] = 1
+    peak_speed: Annotated[Speed, "largest speed of a support"] = 0.0
+    end_speed: Annotated[Speed, "largest speed at the end of the loads"] = 0.0
+    peak_displacement: Annotated[tuple[Metres, ...], "largest displacement along x, y and z"] = ()
+    end_displacement: Annotated[tuple[Metres, ...], "displacement at the end of the loads, along x, y and z"] = ()
+    largest_difference: Annotated[Metres, "largest relative displacement of two supports"] = 0.0
+    peak_rotation: Annotated[Real, Unit("degrees"), "largest rotation of a support"] = 0.0
 
 
 class LoadSummary(SummaryTable):
     """The loads that acted on the structure."""
 
-    tables: Annotated[tuple[dict[str, Any], ...], "each load in the order of the scene, by numbers of its kind"] = ()
+    tables: Annotated[tuple[dict[str, Any], ...], "each load in the order of the scene, with the numbers of its kind"] = ()
     base: Annotated[BaseMotion, "how the supports are driven"] = BaseMotion()
-    acted: Annotated[tuple[ActedLoad, ...] | None, "how much of each load has acted"] = None
+    acted: Annotated[tuple[ActedLoad, ...] | None, "share of each load that has acted"] = None
 
 
 class TimeStep(SummaryTable):
-    """The lengths of steps that adapt."""
+    """The lengths of adaptive time steps."""
 
-    shortest: Annotated[Seconds, "step"] = 0.0
-    median: Annotated[Seconds, "step"] = 0.0
-    longest: Annotated[Seconds, "step"] = 0.0
-    dt_min: Annotated[Seconds, "shortest that is allowed"] = 0.0
-    dt_max: Annotated[Seconds, "longest that is allowed"] = 0.0
-    tolerance: Annotated[Metres, "local error aimed at"] = 0.0
-    local_error_max: Annotated[Metres, "largest local error of a step that stands"] = 0.0
-    repeated_for_error: Annotated[Count, "attempts that were undone for their local error"] = 0
-    repeated_for_solver: Annotated[Count, "attempts that were undone since the solver missed its tolerance"] = 0
-    steps_wanted_shorter: Annotated[Count, "steps of the shortest length whose error asked for a shorter one"] = 0
+    shortest: Annotated[Seconds, "shortest step"] = 0.0
+    median: Annotated[Seconds, "median step"] = 0.0
+    longest: Annotated[Seconds, "longest step"] = 0.0
+    dt_min: Annotated[Seconds, "shortest step allowed"] = 0.0
+    dt_max: Annotated[Seconds, "longest step allowed"] = 0.0
+    tolerance: Annotated[Metres, "target of the local error"] = 0.0
+    local_error_max: Annotated[Metres, "largest local error of an accepted step"] = 0.0
+    repeated_for_error: Annotated[Count, "steps repeated because of their local error"] = 0
+    repeated_for_solver: Annotated[Count, "steps repeated because the solver missed its tolerance"] = 0
+    steps_wanted_shorter: Annotated[Count, "steps of the shortest length whose error required a shorter one"] = 0
     base_drift_max: Annotated[Metres, "largest distance of a support from its prescribed motion"] = 0.0
-    steps_by_length: Annotated[tuple[dict[str, Real], ...], "lengths dt [s] and how many steps had them"] = ()
+    steps_by_length: Annotated[tuple[dict[str, Real], ...], "step lengths dt [s], with the number of steps of each"] = ()
 
 
 class Beds(SummaryTable):
-    """The joints whose points do not resolve the part of the depth that carries while they are open."""
+    """Open joints whose points do not resolve the loaded part of their depth."""
 
-    share_least: Annotated[Real | None, "least share of the depth of a joint that carried; null where none was open"] = None
-    unresolved: Annotated[Count, "joints that have too few points"] = 0
-    share: Annotated[Real, "of the depth of the worst of them that carried"] = 0.0
-    points: Annotated[Count, "of the worst"] = 0
-    resolved: Annotated[Real, "share that these points resolve"] = 0.0
-    where: Annotated[str, "the blocks of the worst"] = ""
+    share_least: Annotated[Real | None, "smallest share of the depth of a joint that carried load; null where no joint was open"] = None
+    unresolved: Annotated[Count, "number of joints with too few points"] = 0
+    share: Annotated[Real, "share of the depth that carried load in the worst of them"] = 0.0
+    points: Annotated[Count, "number of points of the worst joint"] = 0
+    resolved: Annotated[Real, "smallest share that these points resolve"] = 0.0
+    where: Annotated[str, "blocks of the worst joint"] = ""
 
 
 ALIKE = 1e-4  # share by which both ends of what Coulomb's law allows may differ and be one
@@ -173,8 +173,8 @@ ALIKE = 1e-4  # share by which both ends of what Coulomb's law allows may differ
 class LimitBracket(SummaryTable):
     """The load factor by limit analysis."""
 
-    least_found: Annotated[Real | None, "least without dilation; null where no start of the search came to an end"] = None
-    associated: Annotated[Real | None, "with dilation; null where it is not finite"] = None
+    least_found: Annotated[Real | None, "least factor without dilation; null where no start of the search converged"] = None
+    associated: Annotated[Real | None, "factor with dilation; null where it is not finite"] = None
 
     @property
     def one(self) -> bool:
@@ -186,69 +186,69 @@ class LimitBracket(SummaryTable):
 class LoadFactor(SummaryTable):
     """The factor of a push or a tilt that grows."""
 
-    end: Annotated[Real, "at the end of the run"] = 0.0
-    limit: Annotated[Metres, "displacement from which on a block counts as moved"] = 0.0
-    given_way: Annotated[Real | None, "largest that was carried; null where the structure had not given way"] = None
-    given_way_time: Annotated[Seconds | None, "when it was carried"] = None
-    rigid: Annotated[Flag, "joints are rigid, so that several factors may be possible"] = False
-    given_way_displacement: Annotated[Metres | None, "of the block that had moved farthest then"] = None
-    limit_analysis: Annotated[LimitBracket | None, "of few rigid blocks"] = None
+    end: Annotated[Real, "factor at the end of the run"] = 0.0
+    limit: Annotated[Metres, "displacement beyond which a block counts as moved"] = 0.0
+    given_way: Annotated[Real | None, "largest factor that was carried; null where the structure did not fail"] = None
+    given_way_time: Annotated[Seconds | None, "time at which it was carried"] = None
+    rigid: Annotated[Flag, "the joints are rigid, so that several factors may be possible"] = False
+    given_way_displacement: Annotated[Metres | None, "displacement at that time of the block that had moved farthest"] = None
+    limit_analysis: Annotated[LimitBracket | None, "factors of limit analysis, of structures with few rigid blocks"] = None
 
 
 class TieTension(SummaryTable):
-    """The tension that a tie had to bear."""
+    """The tension of a tie."""
 
-    name: Annotated[str, "its name, or those of its blocks"] = ""
-    blocks: Annotated[tuple[str, ...], "that its strongest bar holds, two"] = ()
-    bars: Annotated[Count, "of which it consists"] = 1
-    length: Annotated[Metres, "of its strongest bar"] = 0.0
-    area: Annotated[Annotated[Real, Unit("m2")], "of its section"] = 0.0
-    yield_force: Annotated[Newtons | None, "null where it never yields"] = None
-    tension_start: Annotated[Newtons, "after the first step"] = 0.0
-    tension_max: Annotated[Newtons, "largest"] = 0.0
-    tension_max_time: Annotated[Seconds, "when it was largest"] = 0.0
+    name: Annotated[str, "name of the tie, or of its blocks"] = ""
+    blocks: Annotated[tuple[str, ...], "the two blocks that its strongest bar joins"] = ()
+    bars: Annotated[Count, "number of its bars"] = 1
+    length: Annotated[Metres, "length of its strongest bar"] = 0.0
+    area: Annotated[Annotated[Real, Unit("m2")], "area of its section"] = 0.0
+    yield_force: Annotated[Newtons | None, "force at which it yields; null where it never yields"] = None
+    tension_start: Annotated[Newtons, "tension after the first step"] = 0.0
+    tension_max: Annotated[Newtons, "largest tension"] = 0.0
+    tension_max_time: Annotated[Seconds, "time of the largest tension"] = 0.0
     stress_max: Annotated[Stress, "largest tension over the section"] = 0.0
-    tension_end: Annotated[Newtons, "after the last step"] = 0.0
-    yielded: Annotated[Flag, "A bar of it yielded"] = False
-    yield_time: Annotated[Seconds | None, "from when on"] = None
+    tension_end: Annotated[Newtons, "tension after the last step"] = 0.0
+    yielded: Annotated[Flag, "one of its bars yielded"] = False
+    yield_time: Annotated[Seconds | None, "time of first yield"] = None
 
 
 class Check(SummaryTable):
-    """A check that a run makes of itself."""
+    """A check of the run itself."""
 
-    check: Annotated[str, "its name"]
+    check: Annotated[str, "name of the check"]
     verdict: Annotated[str, "good, look or doubtful"]
-    why: Annotated[str, "with its numbers"]
+    why: Annotated[str, "reason, with its numbers"]
 
 
 class RunVerdict(SummaryTable):
     """The verdict on the run."""
 
-    verdict: Annotated[str, "of the worst check: good, look or doubtful; unknown without checks"] = ""
-    grade: Annotated[str, "of damage, D0 to D5, or not graded"] = ""
-    means: Annotated[str, "what the grade means"] = ""
-    because: Annotated[str, "what gives the grade"] = ""
-    sure: Annotated[str, "as verdict"] = ""
-    words: Annotated[str, "how sure the grade is"] = ""
-    why: Annotated[str, "what decides how sure it is"] = ""
-    checks: Annotated[tuple[Check, ...], "all of them"] = ()
+    verdict: Annotated[str, "worst verdict of the checks: good, look or doubtful; unknown without checks"] = ""
+    grade: Annotated[str, "grade of damage, D0 to D5, or not graded"] = ""
+    means: Annotated[str, "meaning of the grade"] = ""
+    because: Annotated[str, "measure that gives the grade"] = ""
+    sure: Annotated[str, "as the key verdict"] = ""
+    words: Annotated[str, "reliability of the grade"] = ""
+    why: Annotated[str, "reason for this reliability"] = ""
+    checks: Annotated[tuple[Check, ...], "all checks"] = ()
 
 
 class End(SummaryTable):
-    """How the structure moves at the end."""
+    """The motion of the structure at the end."""
 
-    time: Annotated[Seconds, "of the last frame"] = 0.0
-    speed: Annotated[Speed, "of the fastest block that stands"] = 0.0
-    block: Annotated[str, "which block that is"] = ""
-    base_speed: Annotated[Speed, "of the fastest support"] = 0.0
-    rattles: Annotated[str, "A loose block that moves to and fro in its place, with its speed"] = ""
+    time: Annotated[Seconds, "time of the last frame"] = 0.0
+    speed: Annotated[Speed, "speed of the fastest standing block"] = 0.0
+    block: Annotated[str, "name of that block"] = ""
+    base_speed: Annotated[Speed, "speed of the fastest support"] = 0.0
+    rattles: Annotated[str, "loose block that rattles in its place, with its speed"] = ""
 
 
 class JointCounts(SummaryTable):
     """How many joints opened and slid, and how far."""
 
-    joints_opened: Annotated[Count, "joints whose word is opened"] = 0
-    joints_slid: Annotated[Count, "joints whose word is slid"] = 0
+    joints_opened: Annotated[Count, "joints whose state is opened"] = 0
+    joints_slid: Annotated[Count, "joints whose state is slid"] = 0
     joints_separated: Annotated[Count, "joints without contact at the end"] = 0
     joints_only_opened: Annotated[Count, "joints that opened and did not slide"] = 0
     joints_only_slid: Annotated[Count, "joints that slid and did not open"] = 0
@@ -259,12 +259,12 @@ class JointCounts(SummaryTable):
 
 
 class ShockDamage(JointCounts):
-    """The damage after a shock of a sequence and its rest, that of earlier ones included."""
+    """The damage after a shock of a sequence and its rest, including that of earlier shocks."""
 
-    name: Annotated[str, "of the shock"] = ""
-    start: Annotated[Seconds, "when it began"] = 0.0
-    end: Annotated[Seconds, "when it ended"] = 0.0
-    rest_end: Annotated[Seconds, "when its rest was over"] = 0.0
+    name: Annotated[str, "name of the shock"] = ""
+    start: Annotated[Seconds, "time of its start"] = 0.0
+    end: Annotated[Seconds, "time of its end"] = 0.0
+    rest_end: Annotated[Seconds, "time of the end of its rest"] = 0.0
     residual_opening_max: Annotated[Metres, "widest opening after the rest"] = 0.0
     residual_sliding_max: Annotated[Metres, "farthest sliding after the rest"] = 0.0
 
@@ -272,10 +272,10 @@ class ShockDamage(JointCounts):
 class Event(SummaryTable):
     """An event of the scene."""
 
-    name: Annotated[str, "of the event"] = ""
-    cause: Annotated[str, "when it comes"] = ""
-    change: Annotated[str, "what it changes"] = ""
-    time: Annotated[Seconds | None, "of the loads at which it came; null where it did not"] = None
+    name: Annotated[str, "name of the event"] = ""
+    cause: Annotated[str, "condition for it"] = ""
+    change: Annotated[str, "change that it makes"] = ""
+    time: Annotated[Seconds | None, "time of the loads at which it came; null where it did not"] = None
 
 
 class Cycle(SummaryTable):
@@ -287,14 +287,14 @@ class Cycle(SummaryTable):
     displacement_min: Metres = 0.0
     force_max: Newtons = 0.0
     force_min: Newtons = 0.0
-    dissipated: Annotated[Joules, "energy"] = 0.0
+    dissipated: Annotated[Joules, "dissipated energy"] = 0.0
     damping: Annotated[Real, "equivalent viscous damping"] = 0.0
 
 
 class Bilinear(SummaryTable):
     """The bilinear idealisation of a push by displacement."""
 
-    stiffness: Annotated[Stiffness, "through 60 % of the peak"] = 0.0
+    stiffness: Annotated[Stiffness, "stiffness through 60 % of the peak"] = 0.0
     yield_force: Newtons = 0.0
     yield_displacement: Metres = 0.0
     ultimate_displacement: Metres = 0.0
@@ -304,82 +304,82 @@ class Bilinear(SummaryTable):
 class Push(SummaryTable):
     """A push by displacement, as a laboratory reports it."""
 
-    name: Annotated[str, "of the push"] = ""
-    direction: Annotated[tuple[Real, ...], "unit vector along which it goes"] = ()
-    energy: Annotated[Joules, "put in"] = 0.0
+    name: Annotated[str, "name of the push"] = ""
+    direction: Annotated[tuple[Real, ...], "unit vector of its direction"] = ()
+    energy: Annotated[Joules, "energy put in"] = 0.0
     inertia_share: Annotated[Real, "largest inertia over the largest force"] = 0.0
-    cycles: Annotated[tuple[Cycle, ...], "whole ones"] = ()
-    peak_force: Annotated[Newtons | None, "null where it has met none"] = None
-    peak_displacement: Annotated[Metres, "at the peak"] = 0.0
-    stiffness: Annotated[Stiffness | None, "between 10 and 40 % of the peak; null of rigid joints"] = None
-    ultimate_displacement: Annotated[Metres | None, "after the peak, where 80 % of it are left; null where it does not fall so far"] = None
-    bilinear: Annotated[Bilinear | None, "its idealisation; null of rigid joints"] = None
+    cycles: Annotated[tuple[Cycle, ...], "its complete cycles"] = ()
+    peak_force: Annotated[Newtons | None, "largest force; null where it met no resistance"] = None
+    peak_displacement: Annotated[Metres, "displacement at the peak"] = 0.0
+    stiffness: Annotated[Stiffness | None, "stiffness between 10 and 40 % of the peak; null for rigid joints"] = None
+    ultimate_displacement: Annotated[Metres | None, "displacement at 80 % of the peak, after it; null if the force stays above that"] = None
+    bilinear: Annotated[Bilinear | None, "bilinear idealisation; null for rigid joints"] = None
 
 
 class Strength(SummaryTable):
     """Stress against the strength of the masonry."""
 
-    least: Annotated[Stress, "strength of a block"] = 0.0
+    least: Annotated[Stress, "least strength of a block"] = 0.0
     blocks_compared: Count = 0
     joints_compared: Count = 0
     ratio_max: Annotated[Real | None, "largest mean stress of a block over its strength"] = None
     blocks_above: Annotated[Count, "blocks whose mean stress is above their strength"] = 0
-    blocks_above_names: Annotated[tuple[str, ...], "the gravest of them"] = ()
+    blocks_above_names: Annotated[tuple[str, ...], "the most stressed of them"] = ()
     joints_above: Annotated[Count, "joints whose stress at the edge is above their strength"] = 0
-    joints_above_open: Annotated[Count, "those of them that were open then"] = 0
-    joints_above_numbers: Annotated[tuple[Count, ...], "the gravest of them"] = ()
-    crushed_share_max: Annotated[Real | None, "largest share of a joint that its force takes at the strength"] = None
+    joints_above_open: Annotated[Count, "those that were open at that time"] = 0
+    joints_above_numbers: Annotated[tuple[Count, ...], "the most stressed of them"] = ()
+    crushed_share_max: Annotated[Real | None, "largest share of a joint that its force occupies at the strength"] = None
 
 
 class StressPeak(SummaryTable):
     """The largest stresses."""
 
     compression_max: Stress = 0.0
-    compression_max_block: Annotated[str, "where"] = ""
-    compression_max_time: Annotated[Seconds, "when"] = 0.0
-    tension_max: Annotated[Stress, "0 where it is no more than rounding"] = 0.0
-    tension_max_block: Annotated[str, "where"] = ""
-    tension_max_time: Annotated[Seconds, "when"] = 0.0
+    compression_max_block: Annotated[str, "block of the largest compression"] = ""
+    compression_max_time: Annotated[Seconds, "time of the largest compression"] = 0.0
+    tension_max: Annotated[Stress, "largest tension; 0 where it is only rounding"] = 0.0
+    tension_max_block: Annotated[str, "block of the largest tension"] = ""
+    tension_max_time: Annotated[Seconds, "time of the largest tension"] = 0.0
 
 
 class ElementStressSummary(StressPeak):
     """Stress of the elements of meshed blocks."""
 
-    count: Annotated[Count, "elements"] = 0
+    count: Annotated[Count, "number of elements"] = 0
     compared: Annotated[Count | None, "elements whose strength is known"] = None
-    ratio_max: Annotated[Real | None, "largest stress over strength"] = None
+    ratio_max: Annotated[Real | None, "largest ratio of stress to strength"] = None
     above: Annotated[Count, "elements above their strength"] = 0
-    blocks_above: Annotated[Count, "blocks that they lie in"] = 0
-    blocks_above_names: Annotated[tuple[str, ...], "the gravest of these"] = ()
+    blocks_above: Annotated[Count, "blocks of these elements"] = 0
+    blocks_above_names: Annotated[tuple[str, ...], "the most stressed of these blocks"] = ()
 
 
 class StressSummary(StressPeak):
     """Stress of blocks, means over the time between frames, and of joints at their edges."""
 
-    interval: Annotated[Seconds, "between frames"] = 0.0
-    joints_at_edge: Annotated[Count, "joints in which the force came to an edge, where rigid joints leave no finite stress"] = 0
-    joints_at_edge_open: Annotated[Count, "those of them that were open then"] = 0
-    edge_max: Annotated[Stress | None, "largest compression at the edge of a joint that is finite"] = None
-    edge_max_joint: Annotated[Count | None, "in which joint"] = None
-    edge_max_blocks: Annotated[tuple[str, ...], "its blocks"] = ()
-    strength: Annotated[Strength | None, "against the strength, where it is known"] = None
-    elements: Annotated[ElementStressSummary | None, "of meshed blocks"] = None
+    interval: Annotated[Seconds, "time between frames"] = 0.0
+    joints_at_edge: Annotated[Count, "joints whose force reached an edge, where rigid joints give no finite stress"] = 0
+    joints_at_edge_open: Annotated[Count, "those that were open at that time"] = 0
+    edge_max: Annotated[Stress | None, "largest finite compression at the edge of a joint"] = None
+    edge_max_joint: Annotated[Count | None, "number of that joint"] = None
+    edge_max_blocks: Annotated[tuple[str, ...], "blocks of that joint"] = ()
+    strength: Annotated[Strength | None, "comparison with the strength, where it is known"] = None
+    elements: Annotated[ElementStressSummary | None, "stress of the elements of meshed blocks"] = None
 
 
 class PartInShort(SummaryTable):
     """A part of the structure, as in damage.csv; the last row is the structure as a whole."""
 
-    part: Annotated[str, "its name"] = ""
-    blocks: Annotated[Count, "free ones"] = 0
-    joints: Annotated[Count, "that it owns"] = 0
-    grade: Annotated[str, "D0 to D5, or not graded"] = ""
-    grade_label: Annotated[str, "what the grade means"] = ""
-    grade_reason: Annotated[str, "what gives it"] = ""
-    mechanism: Annotated[str, "how it gave way"] = ""
-    opened: Annotated[Count, "joints whose word is opened"] = 0
-    slid: Annotated[Count, "joints whose word is slid"] = 0
+    part: Annotated[str, "name of the part"] = ""
+    blocks: Annotated[Count, "number of its free blocks"] = 0
+    joints: Annotated[Count, "number of its joints"] = 0
+    grade: Annotated[str, "grade of damage, D0 to D5, or not graded"] = ""
+    grade_label: Annotated[str, "meaning of the grade"] = ""
+    grade_reason: Annotated[str, "measure that gives the grade"] = ""
+    mechanism: Annotated[str, "mechanism of the damage"] = ""
+    opened: Annotated[Count, "joints whose state is opened"] = 0
+    slid: Annotated[Count, "joints whose state is slid"] = 0
     separated: Annotated[Count, "joints without contact at the end"] = 0
-    lost_blocks: Annotated[Count, "that have fallen"] = 0
+    lost_blocks: Annotated[Count, "blocks that have fallen"] = 0
     max_opening: Metres = 0.0
     max_sliding: Metres = 0.0
     residual_opening: Metres = 0.0
@@ -388,7 +388,7 @@ class PartInShort(SummaryTable):
     only_opened: Annotated[Count, "joints that opened and did not slide"] = 0
     only_slid: Annotated[Count, "joints that slid and did not open"] = 0
     opened_and_slid: Annotated[Count, "joints that did both"] = 0
-    provisional: Annotated[str, "why what is left is not the last"] = ""
+    provisional: Annotated[str, "why the residual values are provisional"] = ""
 
 
 class ElasticBasis(SummaryTable):

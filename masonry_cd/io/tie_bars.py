@@ -53,7 +53,7 @@ def read_bars(file: h5py.File, blocks: int) -> tuple[TieBar, ...]:
     try:
         return tuple(_bar(row, blocks) for row in json.loads(str(text)))
     except (ValueError, TypeError, KeyError):
-        raise InputError(file.filename, "damaged: its ties are not what a run writes") from None
+        raise InputError(file.filename, "damaged: its ties do not have the format of a run") from None
 
 
 def _bar(row: dict[str, Any], blocks: int) -> TieBar:

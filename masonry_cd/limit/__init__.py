@@ -6,7 +6,7 @@ whole and of all parts in one table, and one verdict.
 
 case.py        a scene becomes a LimitCase
 whole.py       the whole under the load that the scene multiplies
-parts.py       macro-elements: which are asked for, and their analysis
+parts.py       the requested macro-elements and their analysis
 checked.py     each mechanism with its check by a code, and the verdict of the gravest
 search.py      how far the least factor is searched for
 left_state.py  the blocks where a run left them

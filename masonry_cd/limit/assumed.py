@@ -103,13 +103,13 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
     Only of a bridge there are some where its own is not finite.
     """
     analysis, bridge = whole.analysis, bool(structure.made.fills)
-    if not analysis.stands or analysis.bears_nothing or analysis.problem.moves_support or (analysis.endless and not bridge):
+    if not analysis.stands or analysis.bears_nothing or analysis.problem.moves_support or (analysis.is_endless and not bridge):
         return Assumed()
     if not bridge:
         return Assumed(tuple(_row(whole, None, *one) for one in _of_joints(structure)))
     in_plane = analysis.problem.axis is not None  # in space the places of each row take too long: it has the one that the scene has
     place = None if crossing is None else float(crossing.position[crossing.worst])
-    factor, why = (None, ENDLESS) if analysis.endless else (analysis.governing.factor, "")
+    factor, why = (None, ENDLESS) if analysis.is_endless else (analysis.governing.factor, "")
     own = AssumedRow(SCENE, f"as computed, {_in_words(structure)}", factor, why, position=place)
     changed = [*_of_joints(structure), *_of_fill(structure, whole.loads.kind != "live")]
     rows = [_row(whole, crossing if in_plane else None, *one) for one in changed]
@@ -267,6 +267,6 @@ def _row(whole: WholeAnalysis, crossing: Crossing | None, row: AssumedRow, chang
     place = None if crossing is None else float(crossing.position[crossing.worst])
     if not found.stands:
         return replace(row, factor=0.0)
-    if found.endless:
+    if found.is_endless:
         return replace(row, why=ENDLESS)
     return replace(row, factor=found.governing.factor, position=place)

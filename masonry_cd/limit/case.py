@@ -191,7 +191,7 @@ def _parts(
         InputError: what a check of parts does not know, or a table that names no part.
     """
     asked, scene = structure.asked, structure.scene
-    heights_along_z("limit: what looks at macro-elements", scene.run.gravity)
+    check_gravity_along_z("limit: what looks at macro-elements", scene.run.gravity)
     if asked.begin is not None:
         raise InputError("limit.from", "macro-elements are those of the structure as built")
     if asked.check is not None and asked.check.limit_state == "SLC":
@@ -231,7 +231,7 @@ def _whole(
     how = ways(structure, loads)
     if asked.check is not None:
         _refuse_check(loads, structure.scene.run.gravity)
-    overturns = structure.upright and loads.direction is not None and loads.direction[2] == 0.0
+    overturns = structure.is_upright and loads.direction is not None and loads.direction[2] == 0.0
     along_push: list[ElementAnalysis] = []
     if overturns and not parts and asked.begin is None and (asked.check is not None or (loads.kind == "push" and how.begins_at_parts)):
         effort = replace(effort_of(asked, structure.scene.run.seed), starts=0, most_points=0)
@@ -264,7 +264,7 @@ def has_pattern(scene: Scene) -> bool:
         return any(patterns(scene.loads, scene.folder))
 
 
-def heights_along_z(where: str, gravity: Sequence[float]) -> None:
+def check_gravity_along_z(where: str, gravity: Sequence[float]) -> None:
     """Refuse gravity along which heights do not count.
 
     Raises:
@@ -284,12 +284,12 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
     """
     if loads.kind not in ("push", "tilt"):
         raise InputError("limit.check", f"needs a push or a tilt, not {loads.words}")
-    if loads.kind == "tilt" and not loads.only_gravity:
+    if loads.kind == "tilt" and not loads.has_only_gravity:
         raise InputError("limit.check", "needs a push where point loads or ties act: they do not turn with a tilt")
     across = abs(float(np.sum(np.asarray(loads.direction) * np.asarray(gravity))))
     if across > LEVEL * math.hypot(*gravity):
         raise InputError("limit.check", "the push must be level, at right angles to gravity")
-    heights_along_z("limit.check", gravity)
+    check_gravity_along_z("limit.check", gravity)
 
 
 def _verdict(case: LimitCase) -> CheckVerdict:
@@ -317,7 +317,7 @@ def _unchecked(analysis: Analysis) -> CheckVerdict:
     """The verdict on a structure that has no load factor at which a mechanism would start."""
     if not analysis.stands:
         return refused(f"the structure does not stand under its dead loads, it bears {100.0 * max(analysis.standing, 0.0):.3g} % of them")
-    if analysis.endless:
+    if analysis.is_endless:
         return undecided(f"no finite load factor was found; {NO_SEARCH}", search_numbers(analysis))
     return refused("the structure has no resistance to this load, and any amount of it starts the motion", search_numbers(analysis))
 

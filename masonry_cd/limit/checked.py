@@ -48,7 +48,7 @@ class Checked:
     one: FoundMechanism
     level: HeldLevel | None
     check: CodeCheck | None
-    no_displacement: str = ""  # why there is no check by displacements, where one is asked for
+    no_displacement: str = ""  # why there is no check by displacements, where one is requested
 
     @cached_property
     def row(self) -> dict[str, Any]:
@@ -162,7 +162,7 @@ def _by_code(part: ElementAnalysis, table: CheckTable, ground: Ground, foot: flo
     for one in part.mechanisms:
         level = level_of(table, one.height, foot)
         check = check_at(table, level, one.oscillator, ground, part.doubt)
-        known = not table.by_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
+        known = not table.checks_displacements or any(each.check == NON_LINEAR for each in check.verdicts)
         yield Checked(part, one, level, check, "" if known else check.unread or _no_displacement(one))
 
 

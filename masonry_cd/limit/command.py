@@ -78,4 +78,4 @@ def _refuse_files(scene: Scene, wanted: WantedMechanisms, files: LimitFiles) -> 
     if not (wanted.parts or scene.limit.get("mechanism")):
         raise InputError("--run", "its damage stands next to macro-elements only; give --macro-elements")
     if not (files.run / "damage.csv").exists():
-        raise InputError("--run", f"{files.run} has no damage.csv; a run writes it where [report] damage = true")
+        raise InputError("--run", f"{files.run} has no damage.csv; set [report] damage = true in its scene and run it again")

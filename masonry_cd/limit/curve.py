@@ -31,8 +31,8 @@ def follow(table: CurveTable, assembly: Assembly, joints: Joints, loads: StaticL
     """
     if table.control is not None and table.control not in assembly.names:
         raise InputError("limit.curve.control", f'there is no block "{table.control}"')
-    if loads.kind == "tilt" and (not loads.only_gravity or assembly.laws.apex.any()):
-        raise InputError("limit.curve", "with point loads, ties or bond a tilt is no push, and only a push is followed; give limit.push")
+    if loads.kind == "tilt" and (not loads.has_only_gravity or assembly.laws.apex.any()):
+        raise InputError("limit.curve", "with point loads, ties or bond a tilt is not a push, and only a push is followed; give limit.push")
     control = None if table.control is None else assembly.names.index(table.control)
     limit = np.inf if table.displacement is None else table.displacement
     return capacity_curve(assembly, joints, loads.at(), CurveOptions(options, table.steps, control, limit))
@@ -49,10 +49,10 @@ def curve_lines(curve: CapacityCurve, names: tuple[str, ...]) -> list[str]:
     if curve.factor[peak] > 1.0001 * curve.factor[0]:
         out.append(f"capacity curve: it rises to {curve.factor[peak]:.4g} at {length(float(curve.displacement[peak]))}")
     if curve.changes:
-        out.append(f"capacity curve: other joints are at work from {_places(curve, curve.changes)} on")
+        out.append(f"capacity curve: other joints are active from {_places(curve, curve.changes)} on")
     if curve.jumps:
         before = f"capacity curve: no factor is borne just before {_places(curve, curve.jumps)}"
-        out.append(f"{before}: there the blocks go on by themselves until forces balance again")
+        out.append(f"{before}: there the blocks move on without load until the forces balance again")
     return [*out, *(f"capacity curve: {remark}" for remark in curve.remarks)]
 
 
@@ -124,9 +124,9 @@ def draw_curve(curve: CapacityCurve, names: tuple[str, ...], folder: Path, about
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    from reports.limit.curve_picture import curve_picture
+    from reports.limit.curve_picture import draw_curve
 
     path, (title, words) = folder / CURVE_OUTPUTS[2], about
     facts = f'{words} · centre of block "{names[curve.control.block]}" · at the end: {curve.end}'
-    curve_picture(curve, path, f"{title}: capacity curve", facts, view)
+    draw_curve(curve, path, f"{title}: capacity curve", facts, view)
     return path

@@ -48,7 +48,7 @@ def left_state(structure: LimitStructure, loads: StaticLoads) -> tuple[LimitStru
         raise InputError("limit.curve", NO_CURVE)
     if loads.kind == "tilt" and len(loads.masses.mass):
         raise InputError(KEY, "masses of point loads are not tilted where a run left them; give limit.push")
-    if asked.check is not None and asked.check.by_displacements:
+    if asked.check is not None and asked.check.checks_displacements:
         raise InputError(
             "limit.check.displacements", "no curve is followed from the state that a run left; false leaves the check by accelerations"
         )
@@ -136,7 +136,12 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
         return "supports that move have no load factor to compare"
     if not whole.stands:
         return f"as built it did not stand under its dead loads; {_factor_words(now)} now"
-    if now.endless or whole.endless or whole.bears_nothing or ((now.unlimited or whole.unlimited) and None in (now.least, whole.least)):
+    if (
+        now.is_endless
+        or whole.is_endless
+        or whole.bears_nothing
+        or ((now.unlimited or whole.unlimited) and None in (now.least, whole.least))
+    ):
         return f"{_factor_words(now)} against {_factor_words(whole)} as built"
     searched = now.least is not None and whole.least is not None
     factor, before = ((each.governing if searched else each.associated).factor for each in (now, whole))
@@ -146,7 +151,7 @@ def against_undamaged(now: Analysis, whole: Analysis) -> str:
 
 def _factor_words(analysis: Analysis) -> str:
     """The load factor of a structure that stands, as a phrase."""
-    if analysis.endless:
+    if analysis.is_endless:
         return "no finite load factor"
     return (
         "no load factor: any amount of the load starts the motion"

@@ -50,7 +50,7 @@ def whole_of(structure: LimitStructure, loads: StaticLoads) -> Whole:
 def effort_of(asked: LimitTable, seed: int) -> Effort:
     """How much is looked for in a part that a scene asks for."""
     most = SEARCHED if asked.starts is None else 2**62
-    displacements = asked.check is not None and asked.check.by_displacements
+    displacements = asked.check is not None and asked.check.checks_displacements
     return Effort(STARTS if asked.starts is None else asked.starts, most, seed, displacements)
 
 
@@ -99,7 +99,7 @@ def analysed(
     whole.prepare()
     (jobs, quiet), known = how, [None if kept is None else kept.of(push) for push in pushes]
     several = jobs > 1 and known.count(None) > 1
-    with workers(jobs, system.INHERITS, _share, whole, effort) if several else nullcontext() as pool:
+    with workers(jobs, system.INHERITS, _set_shared, whole, effort) if several else nullcontext() as pool:
         runs = {k: pool.submit(_one, pushes[k]) for k, one in enumerate(known) if one is None} if pool else {}
         with Progress(len(pushes), quiet, what="push of a part") as progress:
             for k, one in enumerate(known):
@@ -110,7 +110,7 @@ def analysed(
 _SHARED: list[Any] = []  # structure and effort, in each process of a pool
 
 
-def _share(whole: Whole, effort: Effort) -> None:
+def _set_shared(whole: Whole, effort: Effort) -> None:
     _SHARED[:] = [whole, effort]
 
 

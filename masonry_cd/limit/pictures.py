@@ -45,7 +45,7 @@ def draw_whole(whole: WholeAnalysis, title: str, folder: Path, view: str = "auto
 
 
 def draw_spectra(case: LimitCase, folder: Path) -> list[Path]:
-    """Draw the spectra of the check that decides, with what is asked for and what is borne, into a folder; nothing without a check.
+    """Draw the spectra of the check that decides, with demand and capacity, into a folder; nothing without a check.
 
     Raises:
         InputError: matplotlib is not installed.
@@ -54,13 +54,13 @@ def draw_spectra(case: LimitCase, folder: Path) -> list[Path]:
     if check is None or asked is None or ground is None or case.decides is None:
         return []
     from masonry_cd.analysis.code_check.spectra import spectra
-    from reports.limit.spectrum_picture import spectrum_picture
+    from reports.limit.spectrum_picture import draw_spectra
 
     row, gravity = case.decides.row, case.decides.one.oscillator.gravity
     state = f", {check.limit_state}" if check.limit_state else ""
     words = f"{row['element']}, push {row['push']}: {row['mechanism']} · {check.edition}{state}"
     made = spectra(check, asked, ground, gravity)
-    return [spectrum_picture(made, folder / "spectrum.png", f"{case.scene.title}: check by a code", words)]
+    return [draw_spectra(made, folder / "spectrum.png", f"{case.scene.title}: check by a code", words)]
 
 
 def draw_parts(case: LimitCase, folder: Path, view: str = "auto") -> dict[Path, str]:

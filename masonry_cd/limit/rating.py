@@ -137,8 +137,8 @@ def rating(structure: LimitStructure, jobs: int, quiet: bool = True) -> Rating:
     names = [*own, *(table.vehicles or VEHICLES)]
     known = own_axles(scene.loads[number]) if own else ()
     blank = [Rated(name, known if name in own else VEHICLES[name].loads, asked) for name in names]
-    with workers(jobs, system.INHERITS, _share, structure, number) if jobs > 1 and len(blank) > 1 else nullcontext() as pool:
-        _share(structure, number)
+    with workers(jobs, system.INHERITS, _set_shared, structure, number) if jobs > 1 and len(blank) > 1 else nullcontext() as pool:
+        _set_shared(structure, number)
         runs = [pool.submit(_one, row) for row in blank] if pool else []
         rows = []
         with Progress(len(blank), quiet, what="vehicle rated") as progress:
@@ -156,7 +156,7 @@ def own_axles(load: Mapping[str, Any]) -> tuple[float, ...]:
 _SHARED: list[Any] = []  # structure and the number of its vehicle, in each process of a pool
 
 
-def _share(structure: LimitStructure, number: int) -> None:
+def _set_shared(structure: LimitStructure, number: int) -> None:
     _SHARED[:] = [structure, number]
 
 
@@ -182,7 +182,7 @@ def _rated(structure: LimitStructure, number: int, row: Rated) -> Rated:
     """The vehicle at its worst place, as the scene states it, and with what it leaves open assumed against it."""
     placed, crossing = at_worst(structure)
     found = _analysed(placed)
-    if not found.analysis.stands or found.analysis.endless or crossing is None:
+    if not found.analysis.stands or found.analysis.is_endless or crossing is None:
         return replace(row, why="" if found.analysis.stands else "the bridge does not stand", factor=None if found.analysis.stands else 0.0)
     place = float(crossing.position[crossing.worst])
     row = _with_outcome(row, found, place)
@@ -214,7 +214,7 @@ def _with_outcome(row: Rated, found: WholeAnalysis, place: float) -> Rated:
     analysis = found.analysis
     if not analysis.stands:
         return replace(row, factor=0.0, position=None, gives_way=_moving(found))
-    if analysis.endless:
+    if analysis.is_endless:
         return replace(row, why=ENDLESS)
     return replace(row, factor=analysis.governing.factor, position=place, gives_way=_moving(found))
 

@@ -109,7 +109,7 @@ def _unsure(found: SearchNumbers, no_end: str) -> str:
     """Why the outcome of a search that was made is not sure; empty where enough of its starts agree."""
     if found.least is None:
         return f"{no_end}: raise limit.starts"
-    if found.agreed:
+    if found.has_agreement:
         return ""
     came = f"{found.agreeing} of {found.starts} starts came to the least factor found"
     return f"{came}, {AGREE} have to agree to {100.0 * AGREEING:g} %: raise limit.starts"

@@ -234,7 +234,7 @@ def write_crossing(found: Crossing, folder: Path, title: str, pictures: bool) ->
     write_csv(table, ("position_m", "factor"), rows)
     if not pictures:
         return [table]
-    from reports.limit.curve_picture import crossing_picture
+    from reports.limit.curve_picture import draw_crossing
 
-    crossing_picture(found.position, found.factor, found.spans, picture, f"{title}: {found.vehicle}")
+    draw_crossing(found.position, found.factor, found.spans, picture, f"{title}: {found.vehicle}")
     return [table, picture]

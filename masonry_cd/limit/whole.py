@@ -91,7 +91,7 @@ class WholeAnalysis:
     @property
     def has_factor(self) -> bool:
         """True of a structure that stands, and of which some finite factor is known."""
-        return self.analysis.stands and not self.analysis.endless
+        return self.analysis.stands and not self.analysis.is_endless
 
 
 def analyse_whole(
@@ -124,9 +124,9 @@ def analyse_whole(
     table = asked.curve or (CurveTable() if curve else None)
     if table is not None and asked.begin is not None:
         raise InputError("limit.curve", NO_CURVE)
-    followed = None if table is None or analysis.endless else follow(table, assembly, joints, loads, how.curve)
+    followed = None if table is None or analysis.is_endless else follow(table, assembly, joints, loads, how.curve)
     untied, without, spare = list[Source](), "", None
-    if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.endless):
+    if asked.check is not None and analysis.stands and not (analysis.bears_nothing or analysis.is_endless):
         analysis, untied, without = with_untied(analysis, assembly, joints, how.analysis)
     if analysis.stands:
         spare = little_left(analysis.problem, assembly, joints)
@@ -161,7 +161,7 @@ def _with_shaken_fill(structure: LimitStructure, loads: StaticLoads) -> StaticLo
 def _analysed(structure: LimitStructure, loads: StaticLoads, options: LimitOptions) -> Analysis:
     """The limit analysis; of a tilt with loads that do not turn with it, at the angle that belongs to its own factor."""
     assembly, joints = structure.assembly, structure.joints
-    if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
+    if loads.kind != "tilt" or (loads.has_only_gravity and not assembly.laws.apex.any()):
         return analyse(assembly, joints, loads.at(), options)
     factor, last = 0.0, math.inf
     for _ in range(TURNS):
@@ -179,7 +179,7 @@ def _begun_at_parts(analysis: Analysis, structure: LimitStructure, loads: Static
     """An analysis under a push whose search has begun at the gravest mechanisms of parts as well, and at what would overturn below the
     factor found then. As it was where gravity is not along -z or the push not level."""
     way = np.asarray(loads.direction)
-    if not structure.upright or abs(way[2]) > 0.0:
+    if not structure.is_upright or abs(way[2]) > 0.0:
         return analysis
     some = [part.mechanisms[0] for part in parts if part.mechanisms and float(part.direction @ way) > ALONG]
     first = sorted((one for one in some if one.mechanism), key=lambda one: one.oscillator.alpha)[:BEGUN]
@@ -204,7 +204,7 @@ def as_part(whole: WholeAnalysis) -> ElementAnalysis:
     around = whole_of(whole.structure, loads)
     part = FreedPart(around, assembly, free, analysis.problem, around.gravity * way, loads.at(), Bars.none())
     found = sorted(candidates(analysis, whole.untied, part), key=lambda one: one.oscillator.acceleration())
-    if check is not None and check.by_displacements:
+    if check is not None and check.checks_displacements:
         found = _followed(whole, part, found)
     words = "; ".join(filter(None, [search_words(analysis), whole.no_untied]))
     points, numbers = analysis.problem.points.count, search_numbers(analysis)

@@ -52,7 +52,7 @@ def _checked_lines(case: LimitCase) -> list[str]:
     each = case.decides
     assert each is not None and each.level is not None
     looked, made = looked_at(each, case.mechanisms), each.one.oscillator
-    taken = f"; e* = 1 is taken, the safe side: {made.doubt}" if made.doubt else ""
+    taken = f"; e* = 1 is used, on the safe side: {made.doubt}" if made.doubt else ""
     by = "ratio by accelerations" if any(one.height != each.height for one in looked) else "a0*"
     if each.decides is not None and each.decides.check == NON_LINEAR:
         by = "ratio, by displacements,"
@@ -104,7 +104,7 @@ def _factor_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
     if analysis.bears_nothing:
         return [*out, f"{loads.words}: no load factor: the structure has no resistance to this load, any amount of it starts the motion"]
     angle = f", an angle of {math.degrees(math.atan(answer.factor)):.4g} degrees" if loads.kind == "tilt" else ""
-    out.append(f"{loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper value)")
+    out.append(f"{loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper bound)")
     return [*out, *_least_lines(case, whole)]
 
 
@@ -115,7 +115,7 @@ def _least_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:
         return [] if analysis.problem.moves_support else [search_words(analysis)]
     apart = upper - least.optimum.factor > SAME * abs(upper)
     between = f"Coulomb's law allows {least.optimum.factor:.5g} to {upper:.5g} at least; a run finds one of its values"
-    agree = "both agree: how joints slide makes no difference here"
+    agree = "both agree: dilation of sliding joints makes no difference here"
     return [search_words(analysis), *_started_before(case, whole), between if apart else agree]
 
 

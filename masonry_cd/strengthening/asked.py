@@ -17,7 +17,7 @@ from masonry_cd.app.limit_structure import LimitStructure, limit_structure
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.strengthen_table import StrengthenTable
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.case import WantedMechanisms, has_pattern, heights_along_z
+from masonry_cd.limit.case import WantedMechanisms, check_gravity_along_z, has_pattern
 from masonry_cd.limit.checked import way_words
 from masonry_cd.limit.parts import asked_for, whole_of
 from masonry_cd.limit.whole import THE_WHOLE
@@ -88,9 +88,9 @@ def asked_of(scene: Scene) -> StrengtheningTask:
             raise InputError("limit.starts", "0 makes no search for the least factor, by which a strengthening is verified: at least 2")
         if structure.asked.begin is not None:
             raise InputError("limit.from", "masonry-cd strengthen takes a structure as built")
-        heights_along_z("strengthen", scene.run.gravity)
+        check_gravity_along_z("strengthen", scene.run.gravity)
         check = structure.asked.check
-        if check is not None and check.by_displacements:
+        if check is not None and check.checks_displacements:
             if check.limit_state == "SLC":
                 raise InputError("limit.check.limit_state", "SLC is checked by displacements, and ties are found by accelerations")
             limit["check"] = {**limit["check"], "displacements": False}

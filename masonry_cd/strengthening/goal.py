@@ -24,7 +24,7 @@ class Goal:
     """The target of all mechanisms."""
 
     value: float
-    check: CheckTable | None = None  # None: a load factor is asked for
+    check: CheckTable | None = None  # None: a load factor is requested
     ground: Ground | None = None  # whose motion is the share zeta_E of that of the check
     foot: float = 0.0  # z from which heights count [m]
 

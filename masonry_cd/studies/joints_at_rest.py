@@ -3,7 +3,7 @@
 
 A dry joint bears only where it is pressed together. Where the weight leaves it open, or lets it gape, it has no stiffness there: the run
 swings slower than the linear model, which takes every joint as closed. A contact acts where it is bonded or pressed; each has the area that
-its springs go by, so the share of the area that acts is the share of the normal and tangential stiffness that is left.
+its springs act by, so the share of the area that acts is the share of the normal and tangential stiffness that is left.
 """
 
 from __future__ import annotations

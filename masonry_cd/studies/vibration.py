@@ -39,8 +39,8 @@ from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
-from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.drawing.plots import colour, legend, sheet
+from reports.drawing.figure import FAINT, INK, format_axes, save
+from reports.drawing.plots import add_legend, colour, sheet
 
 STEPS = 40  # of the highest mode's period, at least: the scheme lengthens a period by (2 pi / 40)^2 / 12 = 0.2 %
 PERIODS = 20  # of the lowest mode, in free vibration
@@ -148,7 +148,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     write_rows(folder / "vibration.csv", found["modes"])
     if asked.sweep:
         write_rows(folder / "sweep.csv", found["sweep"])
-        sweep_picture(found, folder / "sweep.png")
+        draw_sweep(found, folder / "sweep.png")
     written = [folder / name for name in OUTPUTS if (folder / name).exists()]
     return Result(found, found["lines"], found["warnings"], written)
 
@@ -306,7 +306,7 @@ def _linear_response(assembly: Assembly, companion: Companion, axis: int, block:
     return out[1:]
 
 
-def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
+def draw_sweep(found: Mapping[str, Any], path: Path) -> None:
     """Draw what :func:`masonry_cd.studies.vibration.vibration` found in a sweep into a PNG.
 
     Raises:
@@ -325,6 +325,6 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
             axes.axvline(row["linear_hz"], color=FAINT, linewidth=0.8, linestyle=":")
             words, place = f"mode {row['mode']}: {row['linear_hz']:.4g} Hz\nrun {row['nscd_hz']:.4g} Hz", (row["linear_hz"], 0.03)
             axes.annotate(words, place, (5, 0), ("data", "axes fraction"), "offset points", fontsize=10, color=INK)
-    plain_axes(axes, "largest displacement relative to the base,\nover that of the base", "frequency of the base [Hz]")
-    legend(axes, 2)
+    format_axes(axes, "largest displacement relative to the base,\nover that of the base", "frequency of the base [Hz]")
+    add_legend(axes, 2)
     save(figure, path)

@@ -37,7 +37,7 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import plain, write_csv
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import counted
-from reports.assess.picture import INDICES, PICTURE, shares, tornado
+from reports.assess.picture import INDICES, PICTURE, draw_indices, draw_tornado
 from reports.page.document import Head, pictures, rows_of_many, write_document
 from reports.study.tables import DIGITS
 
@@ -76,7 +76,7 @@ def _cell(answer: AssessedNumber, member: Member) -> str:
 
 
 def note_of(found: Assessment, member: Member) -> str:
-    """A remark on a run: why it is no data, that steps missed the tolerance, that it alone was cut off."""
+    """A remark on a run: why it has no result, that steps missed the tolerance, that it alone was cut off."""
     if not member.row.status:
         return WAITS
     if not member.row.done:
@@ -122,20 +122,20 @@ def text_table(found: Assessment) -> str:
 FILES = files_of("assess")
 PAGE = "assess.html"
 CAPTION = (
-    "Each bar runs from the least to the largest value of an answer when one assumption is changed and all else stays; dots are levels. "
-    "The grey band and the marks in the first row are runs of the same scene that differ by a billionth of the amplitude: their spread is "
-    "chance. A full bar is longer than chance makes it in 19 of 20 cases, and than a twentieth of the base case; a hollow one is not. A "
-    "white diamond is the case that the levels of an assumption are compared with where that is not the base case."
+    "Each bar spans an answer from its smallest to its largest value when one assumption is varied and all others are kept; dots are the "
+    "levels. The grey band and the marks in the first row are runs of the same scene whose amplitudes differ by 1e-9: their spread is "
+    "chance. A full bar is longer than chance makes it in 19 of 20 cases, and longer than 5 % of the base case; a hollow bar is not. A "
+    "white diamond is the case that the levels of an assumption are compared with, where that is not the base case."
 )
 SHARES = (
-    "All properties of the structure varied at once, each over the range of its levels: the share of the variance of an answer that one "
-    "explains by itself (full) and with all that it does together with others (hollow). Whiskers are 95 % bands, with what "
-    "the surrogate does not explain."
+    "All properties of the structure varied together, each over the range of its levels. A full bar is the share of the variance of an "
+    "answer that a property explains alone; a hollow bar adds its interactions with the others. Whiskers are 95 % bands, which "
+    "include what the surrogate does not explain."
 )
 READ = (
     "The base case is the scene as it is. Chance is judged by the studentised range of as many runs as a "
-    f"bar has (Tukey's test), and a difference under {100 * FELT:.0f} % of the base case counts as none. Assumptions are ranked by the "
-    "share of the range of each answer that their bars take."
+    f"bar has (Tukey's test), and a difference of less than {100 * FELT:.0f} % of the base case is ignored. Assumptions are ranked "
+    "by the share of the range of each answer that their bars cover."
 )
 
 
@@ -166,7 +166,7 @@ def _index_cells(found: Assessment) -> list[list[str]]:
 
 
 def write_assessment(folder: Path) -> Assessment:
-    """Write all that the runs of an assessment allow; a base case that is no data allows no picture.
+    """Write all that the runs of an assessment allow; a base case that has no result allows no picture.
 
     Raises:
         InputError: the folder holds no assessment, or cannot be written.
@@ -177,9 +177,9 @@ def write_assessment(folder: Path) -> Assessment:
     drawn = []
     write_table(found, folder / CSV)
     if found.base.row.done:
-        tornado(found, folder / PICTURE)
+        draw_tornado(found, folder / PICTURE)
         drawn = [folder / PICTURE]
-        drawn += [folder / INDICES] if shares(found, folder / INDICES) else []
+        drawn += [folder / INDICES] if draw_indices(found, folder / INDICES) else []
     write_page(found, drawn, folder / PAGE)
     write_json(folder / FILE, {"found": facts_of(found)} | found.as_dict(), DIGITS)
     return found
@@ -206,20 +206,20 @@ def facts_of(found: Assessment) -> dict[str, Any]:
 
 def write_page(found: Assessment, drawn: Sequence[Path], path: Path) -> None:
     """Write assess.html."""
-    title = f"{found.title}: what the answer rests on"
+    title = f"{found.title}: what the answer depends on"
     write_document(
         path,
         "assess.html",
         title=title,
         page=Head(
             found.title,
-            ["What was found, the assumption to pin down first at the top", *lines_of(found)[1:]],
+            ["Results, with the assumption to determine first at the top", *lines_of(found)[1:]],
             warnings_of(found),
             _tiles(found),
             rows_of_many(
                 found.scene,
                 found.program,
-                f"{', '.join(one.name for one in found.assumptions)}; one at a time{', and at once' if found.sampled else ''}",
+                f"{', '.join(one.name for one in found.assumptions)}; one at a time{', and all together' if found.sampled else ''}",
             ),
             on_the_whole(found),
         ),

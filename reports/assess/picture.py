@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.analysis.assessment.assessment import GRADE, AssessedNumber, Assessment, KnownAssumption
 from masonry_cd.analysis.damage.grades import NAMES
-from reports.drawing.figure import FAINT, INK, plain_axes, save
+from reports.drawing.figure import FAINT, INK, format_axes, save
 from reports.drawing.plots import halo, sheet
 
 PICTURE, INDICES = "assess.png", "assess_global.png"
@@ -25,22 +25,22 @@ LETTER = 0.0165  # width of a letter of a level's name, as a share of a panel's
 ROOM = 0.14  # next to the bars, as a share of their range
 
 
-def tornado(found: Assessment, path: Path) -> None:
+def draw_tornado(found: Assessment, path: Path) -> None:
     """Draw the tornado."""
-    answers, known = found.answers, [one for one in found.ranked if found.tested(one)]
+    answers, known = found.answers, [one for one in found.ranked if found.is_tested(one)]
     rows = -(-len(answers) // COLUMNS)
     across = -(-len(answers) // rows)
     size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * (len(known) + 1)))
     count = sum(one.row.done for one in found.ensemble)
-    chance = f"grey: {count} runs that differ by 1e-9 in amplitude, what chance does" if count > 1 else "limit analysis"
-    facts = f"full: beyond chance and 5 % of the base case; hollow: no more than that; {chance}; line: base case"
-    figure, panels = sheet(f"{found.title}: what the answer rests on", facts, len(answers), size, rows)
+    chance = f"grey: {count} runs whose amplitudes differ by 1e-9 (chance)" if count > 1 else "limit analysis"
+    facts = f"full: beyond chance and 5 % of the base case; hollow: within them; {chance}; line: base case"
+    figure, panels = sheet(f"{found.title}: what the answer depends on", facts, len(answers), size, rows)
     for place, (axes, answer) in enumerate(zip(panels, answers, strict=True)):
-        _panel(axes, found, known, answer, first=place % across == 0)
+        _draw_panel(axes, found, known, answer, first=place % across == 0)
     save(figure, path)
 
 
-def shares(found: Assessment, path: Path) -> bool:
+def draw_indices(found: Assessment, path: Path) -> bool:
     """Draw the Sobol indices of the answers that have some; return False where none has."""
     there = {answer: one for answer, one in found.indices.items() if not one.refused}
     if not there:
@@ -49,10 +49,10 @@ def shares(found: Assessment, path: Path) -> bool:
     rows = -(-len(there) // COLUMNS)
     across = -(-len(there) // rows)
     size = (1.8 + PANEL * across, 0.9 + rows * (ABOVE + ROW * len(order)))
-    facts = f"share of the variance; full: by itself; hollow: with others; whiskers: 95 %; {len(found.sampled)} runs"
-    figure, panels = sheet(f"{found.title}: all varied at once", facts, len(there), size, rows)
+    facts = f"share of the variance; full: alone; hollow: with interactions; whiskers: 95 %; {len(found.sampled)} runs"
+    figure, panels = sheet(f"{found.title}: all varied together", facts, len(there), size, rows)
     for place, (axes, (answer, one)) in enumerate(zip(panels, there.items(), strict=True)):
-        plain_axes(axes, "", f"{answer.name} (error of the surrogate {100 * one.error:.0f} %)")
+        format_axes(axes, "", f"{answer.name} (error of the surrogate {100 * one.error:.0f} %)")
         at = np.arange(len(order))
         for values, band, height, colour in ((one.total, one.total_band, HEIGHT, HOLLOW), (one.first, one.first_band, 0.5 * HEIGHT, FULL)):
             axes.barh(at, values[order], height, color=colour, edgecolor=FULL, linewidth=1.2, zorder=2)
@@ -67,9 +67,9 @@ def shares(found: Assessment, path: Path) -> bool:
     return True
 
 
-def _panel(axes: Any, found: Assessment, known: list[KnownAssumption], answer: AssessedNumber, first: bool) -> None:
+def _draw_panel(axes: Any, found: Assessment, known: list[KnownAssumption], answer: AssessedNumber, first: bool) -> None:
     """The bars of an answer."""
-    plain_axes(axes, "", f"{answer.name}{f' [{answer.unit}]' if answer.unit else ''}")
+    format_axes(axes, "", f"{answer.name}{f' [{answer.unit}]' if answer.unit else ''}")
     low, high = (answer.factor * value for value in found.chance(answer))
     if np.isfinite(low) and high > low:
         axes.axvspan(low, high, color=BAND, zorder=0.5, linewidth=0.0)
@@ -79,7 +79,7 @@ def _panel(axes: Any, found: Assessment, known: list[KnownAssumption], answer: A
     values = [answer.factor * one.of(answer) for one in found.ensemble]
     axes.plot(values, np.zeros(len(values)), "|", color=INK, markersize=13, markeredgewidth=1.1, zorder=4)
     for row, one in enumerate(known, 1):
-        _bar(axes, found, one, answer, row, ends)
+        _draw_bar(axes, found, one, answer, row, ends)
     if answer != GRADE:
         axes.locator_params(axis="x", nbins=7)
     names = ["chance (ensemble)", *(one.name for one in known)]
@@ -102,7 +102,7 @@ def _limits(axes: Any, found: Assessment, answer: AssessedNumber) -> tuple[float
     return ends
 
 
-def _bar(axes: Any, found: Assessment, one: KnownAssumption, answer: AssessedNumber, row: int, ends: tuple[float, float]) -> None:
+def _draw_bar(axes: Any, found: Assessment, one: KnownAssumption, answer: AssessedNumber, row: int, ends: tuple[float, float]) -> None:
     """The bar of an assumption with its levels."""
     bar = found.bar(one, answer)
     if not bar.values:
@@ -118,10 +118,10 @@ def _bar(axes: Any, found: Assessment, one: KnownAssumption, answer: AssessedNum
         levels.append((answer.factor * bar.reference, one.reference))
     if high == low:  # where nothing changes there is nothing to name
         return
-    _names(axes, sorted(levels), row, ends)
+    _draw_names(axes, sorted(levels), row, ends)
 
 
-def _names(axes: Any, levels: list[tuple[float, str]], row: int, ends: tuple[float, float]) -> None:
+def _draw_names(axes: Any, levels: list[tuple[float, str]], row: int, ends: tuple[float, float]) -> None:
     """Names of levels above the bar, or below it where one above is in the way; those of one place, and what fits nowhere, together."""
     wide = ends[1] - ends[0]
     texts: list[list[Any]] = []  # middle, half the width, text, side

@@ -10,14 +10,14 @@ import numpy as np
 from masonry_cd.analysis.calibration.motion_map import SHARES, MotionMap
 from masonry_cd.analysis.calibration.posterior import Posterior
 from reports.calibrate.picture import SPOT
-from reports.drawing.figure import INK, plain_axes, save
+from reports.drawing.figure import INK, format_axes, save
 from reports.drawing.plots import colour, sheet
 
 MAP = "motion.png"
 LEVELS = np.linspace(0.0, 1.0, 11)
 
 
-def motion_picture(found: Posterior, of: MotionMap, path: Path) -> None:
+def draw_motion_likelihood(found: Posterior, of: MotionMap, path: Path) -> None:
     """Draw the likelihood of a motion, the regions of the posterior, and the samples."""
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -35,5 +35,5 @@ def motion_picture(found: Posterior, of: MotionMap, path: Path) -> None:
     likeliest = of.likeliest
     axes.plot(x * likeliest[of.names[0]], y * likeliest[of.names[1]], "x", color=INK, markersize=9.0, markeredgewidth=2.0)
     across, up = (f"{name}{f' [{unit}]' if unit else ''}" for name, unit in zip(of.names, (unit_x, unit_y), strict=True))
-    plain_axes(axes, up, across)
+    format_axes(axes, up, across)
     save(figure, path)

@@ -14,28 +14,29 @@ from masonry_cd.foundation import own_files
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import counted
-from reports.calibrate.motion_picture import MAP, motion_picture
-from reports.calibrate.picture import PICTURE, posterior_picture
+from reports.calibrate.motion_picture import MAP, draw_motion_likelihood
+from reports.calibrate.picture import PICTURE, draw_posterior
 from reports.page.document import Head, pictures, rows_of_many, write_document
 from reports.study.tables import DIGITS
 
 JSON, CSV, PAGE = "calibrate.json", "samples.csv", "calibrate.html"
 FILES = files_of("calibrate")
 CAPTION = (
-    "On the diagonal, each unknown before (grey) and after (blue), with 5, 50 and 95 %; below it, the samples of every two, the larger the "
-    "more they weigh. To the right, each observation in standard deviations of its error: grey what was thought possible before, blue what "
-    "the posterior predicts, 5 to 95 %, and the diamond with its bar what was observed."
+    "On the diagonal: each unknown before (grey) and after (blue) the observations, with its 5, 50 and 95 % quantiles. Below it: the "
+    "samples of each pair of unknowns, larger where their weight is larger. To the right: each observation in standard deviations of its "
+    "error; grey is the prediction before, blue that of the posterior, 5 to 95 %, and the diamond with its bar is the observation."
 )
 OF_MAP = (
-    "The likelihood of the motion over its largest value, a mean over all other unknowns. Within the lines lie 50 and 90 % of the "
-    "posterior; the cross is the likeliest motion within the first, dots are the samples, larger the more they weigh. White: no samples."
+    "The likelihood of the motion relative to its largest value, averaged over all other unknowns. The lines enclose 50 and 90 % of the "
+    "posterior; the cross is the likeliest motion within the first, and dots are the samples, larger where their weight is larger. White: "
+    "no samples."
 )
 UNKNOWN = ("unknown", "unit", "5 %", "50 %", "95 %", "mean", "std", "before: 5 %", "95 %", "learnt")
 OBSERVED = ("observation", "observed", "error", "predicted: 5 %", "50 %", "95 %", "before: 5 %", "95 %", "off [std]", "helps [%]")
 READ = (
-    "A sample weighs its prior times its likelihood over the density from which it was drawn, that of all rounds together. An observation "
-    "is off by its distance from the mean prediction over the standard deviation of error and prediction. Helps: the share of the variance "
-    "of the unknowns, on average, that the observation would take if it were made once more, or for the first time, and all were linear."
+    "The weight of a sample is its prior times its likelihood over the density from which it was drawn, of all rounds together. Off: the "
+    "distance of an observation from the mean prediction, over the standard deviation of error and prediction. Helps: the share of the "
+    "variance of the unknowns, on average, that one more such observation would remove if the model were linear."
 )
 
 
@@ -49,9 +50,9 @@ def write_posterior(found: Posterior, folder: Path) -> list[Path]:
     write_csv(folder / CSV, ["round", "weight", *found.unknowns, *titles], zip(*columns, strict=True), DIGITS)
     drawn = {} if found.refused else {folder / PICTURE: CAPTION}
     if drawn:
-        posterior_picture(found, folder / PICTURE)
+        draw_posterior(found, folder / PICTURE)
     if drawn and found.map is not None:
-        motion_picture(found, found.map, folder / MAP)
+        draw_motion_likelihood(found, found.map, folder / MAP)
         drawn = {folder / MAP: OF_MAP} | drawn
     write_page(found, drawn, folder / PAGE)
     return [folder / name for name in (JSON, CSV, PICTURE, MAP, PAGE) if (folder / name).exists()]
@@ -62,7 +63,7 @@ def write_page(found: Posterior, drawn: Mapping[Path, str], path: Path) -> None:
     tiles = [
         ("samples", len(found.weights), f" in {counted(len(found.sizes), 'round')}"),
         ("effective", f"{found.sizes[-1]:.3g}", f" at least {found.enough:g}"),
-        ("probability of such a misfit", "none" if found.misfit is None else f"{found.misfit:.2g}", ""),
+        ("probability of a misfit this large", "none" if found.misfit is None else f"{found.misfit:.2g}", ""),
     ]
     varied = ", ".join(found.unknowns)
     write_document(
@@ -71,7 +72,7 @@ def write_page(found: Posterior, drawn: Mapping[Path, str], path: Path) -> None:
         title=f"{found.title}: what explains the observations",
         page=Head(
             found.title,
-            ["What was found", *found.lines[1:]],
+            ["Results", *found.lines[1:]],
             found.warnings,
             tiles,
             rows_of_many(found.scene, found.program, varied),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.calibration.posterior import Posterior
-from reports.drawing.figure import INK, plain_axes, save
+from reports.drawing.figure import INK, format_axes, save
 from reports.drawing.plots import PALE, colour, sheet
 
 PICTURE = "calibrate.png"
@@ -19,7 +19,7 @@ CELL, ASIDE, ROW = 2.6, 2, 0.34  # [inches] of a cell, how many the observations
 SPOT = 160.0  # area of the weightiest sample [points2]
 
 
-def posterior_picture(found: Posterior, path: Path) -> None:
+def draw_posterior(found: Posterior, path: Path) -> None:
     """Draw a posterior."""
     names = sorted(found.numbers, key=lambda name: found.ranges[name]["std"] / (np.std(found.numbers[name]) or 1.0))[:MOST]
     names = [name for name in found.numbers if name in names]
@@ -34,20 +34,20 @@ def posterior_picture(found: Posterior, path: Path) -> None:
             if j > i:
                 axes.remove()
             elif j == i:
-                _before_and_after(axes, found, name)
+                _draw_before_and_after(axes, found, name)
             else:
-                _two(axes, found, names[j], name)
+                _draw_pair(axes, found, names[j], name)
             if j <= i:
                 unit, _ = found.shown(names[j])
                 axes.set_xlabel(f"{names[j]}{f' [{unit}]' if unit else ''}" if i == d - 1 else "", fontsize=9)
                 axes.set_ylabel(name if j == 0 and i > 0 else "", fontsize=9)
                 axes.tick_params(labelsize=8)
                 axes.locator_params(nbins=4)
-    _observations(figure.add_subplot(grid[:, d:]), found)
+    _draw_observations(figure.add_subplot(grid[:, d:]), found)
     save(figure, path)
 
 
-def _before_and_after(axes: Any, found: Posterior, name: str) -> None:
+def _draw_before_and_after(axes: Any, found: Posterior, name: str) -> None:
     """The histograms of an unknown, and its range."""
     values, one, (_, factor) = _scaled(found, name), found.ranges[name], found.shown(name)
     for w, look in ((found.prior, {"color": PALE}), (found.weights, {"color": colour(0), "alpha": 0.75})):
@@ -57,7 +57,7 @@ def _before_and_after(axes: Any, found: Posterior, name: str) -> None:
     axes.set_yticks([])
 
 
-def _two(axes: Any, found: Posterior, across: str, up: str) -> None:
+def _draw_pair(axes: Any, found: Posterior, across: str, up: str) -> None:
     """The samples of two unknowns."""
     x, y = _scaled(found, across), _scaled(found, up)
     axes.plot(x, y, ".", color=PALE, markersize=2.0, zorder=1)
@@ -69,9 +69,9 @@ def _scaled(found: Posterior, name: str) -> np.ndarray:
     return found.shown(name)[1] * found.numbers[name]
 
 
-def _observations(axes: Any, found: Posterior) -> None:
+def _draw_observations(axes: Any, found: Posterior) -> None:
     """Each observation in standard deviations of its error, from its value, or from its median prediction where there is none."""
-    plain_axes(axes, "", "distance from what was observed [std of error]")
+    format_axes(axes, "", "distance from what was observed [std of error]")
     for row, one in enumerate(found.checks):
         middle = float(one["median"] if one["value"] is None else one["value"])
         ends = {key: (one[key] - middle) / one["error"] for key in ("low", "median", "high", "prior_low", "prior_high")}

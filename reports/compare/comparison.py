@@ -36,7 +36,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.summary import Summary, read_summary
 from masonry_cd.io.summary_tables import SummaryTable
 from reports.damage import damage_of, damage_settings
-from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
+from reports.drawing.figure import COLOURS, FAINT, INK, format_axes, save
 from reports.drawing.palette import DARK, GRADES
 from reports.drawing.plots import STROKES
 from reports.settings import Report, report_of
@@ -77,7 +77,7 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
         InputError: fewer than two folders, one given twice, or one that holds no run.
     """
     if len(folders) < 2:
-        raise InputError("compare", "name two folders of runs at least")
+        raise InputError("compare", "give at least two folders of runs")
     twice = [folder for k, folder in enumerate(folders) if folder.resolve() in [other.resolve() for other in folders[:k]]]
     if twice:
         raise InputError("compare", f"{twice[0]} is named twice")
@@ -92,7 +92,7 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
             if (whole := runs[-1].damage.parts[-1])["grade"] == NOT_GRADED:
                 words.append(f"{name}: {NOT_GRADED}: {whole['grade_reason']}")
             if end := runs[-1].damage.provisional:
-                words.append(f"{name}: grades, mechanisms and what is left are {end}")
+                words.append(f"{name}: grades, mechanisms and residual values are {end}")
     response = [(number.name, number.unit, [run.numbers[key] for run in runs]) for key, number in numbers_in(COMPARE).items()]
     rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *response, *_solver_rows(runs)]
     return ComparisonTable(runs, rows, words)
@@ -253,14 +253,14 @@ def comparison_figure(comparison: ComparisonTable) -> Any:
     figure = blank((13.0, tall), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.2, h_pad=0.15)
     rows = figure.add_gridspec(3, 2, height_ratios=(3.6, 3.4, tall - 7.6))
-    _response(figure.add_subplot(rows[0, :]), runs)
+    _draw_response(figure.add_subplot(rows[0, :]), runs)
     draw_states(figure.add_subplot(rows[1, 0]), runs)
-    _widths(figure.add_subplot(rows[1, 1]), runs)
-    _grade_table(figure.add_subplot(rows[2, :]), runs, parts)
+    _draw_widths(figure.add_subplot(rows[1, 1]), runs)
+    _draw_grades(figure.add_subplot(rows[2, :]), runs, parts)
     return figure
 
 
-def _response(axes: Any, runs: list[ComparedRun]) -> None:
+def _draw_response(axes: Any, runs: list[ComparedRun]) -> None:
     """Displacement of the highest block over time."""
     reach = max(float(np.abs(run.top).max()) for run in runs)
     shown = min(1.1 * reach, SHOWN * max(run.height for run in runs))  # a fallen block must not flatten the others to a line
@@ -274,7 +274,7 @@ def _response(axes: Any, runs: list[ComparedRun]) -> None:
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
     axes.set_title("Highest block: horizontal displacement relative to the base", **HEAD)
     axes.legend(fontsize=10, frameon=False, ncols=min(4, len(runs)), loc="upper left", bbox_to_anchor=(0.0, -0.13))
-    plain_axes(axes, f"[{unit}]", "time [s]", "y")
+    format_axes(axes, f"[{unit}]", "time [s]", "y")
 
 
 def draw_states(axes: Any, runs: list[ComparedRun]) -> None:
@@ -289,15 +289,15 @@ def draw_states(axes: Any, runs: list[ComparedRun]) -> None:
     }
     for bars in _bars(axes, runs, labels, "Damage of the structure") if len(runs) <= 6 else ():
         axes.bar_label(bars, fontsize=9, color=INK)
-    plain_axes(axes, "number", grid="y")
+    format_axes(axes, "number", grid="y")
 
 
-def _widths(axes: Any, runs: list[ComparedRun]) -> None:
+def _draw_widths(axes: Any, runs: list[ComparedRun]) -> None:
     """Cracks left at the end by class of width."""
     keys = [key for key in runs[0].damage.parts[-1] if key.startswith("crack_")]
     bounds = [f"{1000 * bound:.3g}" for bound in runs[0].damage.width_classes]
     _bars(axes, runs, dict(zip(keys, bounds, strict=True)), "Crack widths")
-    plain_axes(axes, "joints", "residual opening of joints, from ... mm to the next class", "y")
+    format_axes(axes, "joints", "residual opening of joints, from ... mm to the next class", "y")
 
 
 def _bars(axes: Any, runs: list[ComparedRun], labels: Mapping[str, str], title: str) -> list[Any]:
@@ -328,7 +328,7 @@ def _rank(row: Row | None) -> int:
     return NAMES.index(row["grade"]) if row and row["grade"] in NAMES else -1
 
 
-def _grade_table(axes: Any, runs: list[ComparedRun], parts: Mapping[str, list[Row | None]]) -> None:
+def _draw_grades(axes: Any, runs: list[ComparedRun], parts: Mapping[str, list[Row | None]]) -> None:
     """A row per part and a column per run, the grade written in and shaded."""
     from matplotlib.patches import Rectangle
 

@@ -84,9 +84,9 @@ def plane_of(text: str) -> tuple[str, float | None]:
         try:
             return axis, number_in(place, "m")
         except UnitError as fault:
-            raise InputError("cut", f'"{text}" is no plane: {fault}') from None
+            raise InputError("cut", f'"{text}" is not a plane: {fault}') from None
     raise InputError(
-        "cut", f'"{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"'
+        "cut", f'"{text}" is not a plane; write x, y or z for the middle of the structure, or a position: y=1.5 (in m) or "y=150 cm"'
     )
 
 

@@ -98,7 +98,7 @@ def in_metres(value: float) -> str:
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
 
 
-def plain_axes(axes: Any, words: str = "", across: str = "", grid: str = "both") -> None:
+def format_axes(axes: Any, words: str = "", across: str = "", grid: str = "both") -> None:
     """Titles at the axes, ticks, a faint grid behind, no frame."""
     axes.set_ylabel(words, fontsize=11, color=INK)
     axes.set_xlabel(across, fontsize=11, color=INK)
@@ -110,7 +110,7 @@ def plain_axes(axes: Any, words: str = "", across: str = "", grid: str = "both")
         spine.set_color(FAINT)
 
 
-def zero_line(axes: Any) -> None:
+def draw_zero_line(axes: Any) -> None:
     """A line at zero, from edge to edge."""
     axes.margins(x=0.0)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
@@ -194,15 +194,15 @@ class Sheet:
     def around(cls, scene: PictureScene, panels: Sequence[KeyPanel] | None = None) -> Sheet:
         """Return the sheet around the model of a scene: title, facts and key, or of the key some ``panels`` alone."""
         sheet = cls(layout_of(scene))
-        sheet.head(scene.title, scene.facts)
+        sheet.draw_head(scene.title, scene.facts)
         boxes = sheet.plan.keys([panel.wide for panel in scene.key]) if scene.key else []
         pixel = scene.window.fitted(sheet.plan.pixels).width / sheet.plan.pixels[0]
         for panel, box in zip(scene.key, boxes, strict=True):
             if panels is None or panel in panels:
-                sheet.panel(panel, box, scene.view, pixel)
+                sheet.draw_panel(panel, box, scene.view, pixel)
         return sheet
 
-    def head(self, title: str, facts: str) -> None:
+    def draw_head(self, title: str, facts: str) -> None:
         """Title and facts at the top; lines of facts that are wider than the sheet are broken between words."""
         axes = self.axes(MARGIN, self.plan.size[1] - TITLE, self.plan.size[0] - 2 * MARGIN, TITLE)
         for size, most in FACTS:
@@ -215,7 +215,7 @@ class Sheet:
         axes.text(0, high, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, **look)
         axes.text(0, low, "\n".join(lines), fontsize=size, color=FAINT, **look)
 
-    def scale_bar(self, axes: Any, metres_per_pixel: float, left: float, bottom: float, longest: float = 300.0) -> None:
+    def draw_scale_bar(self, axes: Any, metres_per_pixel: float, left: float, bottom: float, longest: float = 300.0) -> None:
         """A bar of a round length, in two halves."""
         from matplotlib.patches import Rectangle
 
@@ -227,15 +227,15 @@ class Sheet:
         axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
         axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
 
-    def panel(self, panel: KeyPanel, box: Box, view: View, pixel: float) -> None:
+    def draw_panel(self, panel: KeyPanel, box: Box, view: View, pixel: float) -> None:
         """A part of the key, from the top of its box; a pixel of the model is so large [m]."""
         axes, (width, top) = self.axes(*box), box[2:]
         if panel.scale is not None:
             _draw_scale(axes, width, top, *panel.scale, panel.dashed)
             top -= 84
         if panel.ruler:
-            self.scale_bar(axes, pixel, 10, top - 44, width - 60 - TRIAD)
-            triad(axes, view, (width - 0.5 * TRIAD, top - 58))
+            self.draw_scale_bar(axes, pixel, 10, top - 44, width - 60 - TRIAD)
+            draw_triad(axes, view, (width - 0.5 * TRIAD, top - 58))
             top -= 80
         per_column = max(1, int((top - 4) // PITCH))
         rows, most = list(panel.signs), per_column * (1 if self.plan.key_on_right else panel.wide)
@@ -261,7 +261,7 @@ class Sheet:
         save(self.figure, path)
 
 
-def triad(axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
+def draw_triad(axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
     """The axes x, y, z as a view shows them, from a place in pixels."""
     for name, colour, right, up in zip("xyz", palette.AXES.values(), view.right, view.up, strict=True):
         x, y = size * float(right), size * float(up)

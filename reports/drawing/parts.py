@@ -51,7 +51,7 @@ def view_named(name: str) -> View:
         "isometric": (np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)),
     }
     if name not in towards:
-        raise InputError("view", f'"{name}" is none; views: auto, {", ".join(towards)}')
+        raise InputError("view", f'"{name}" is not a view; choose auto, {", ".join(towards)}')
     viewer = np.array(towards[name])
     upward = np.array([0.0, 1.0, 0.0]) if name == "top" else np.array([0.0, 0.0, 1.0])
     right = np.cross(upward, viewer)

@@ -22,7 +22,7 @@ LETTERS = 150  # of a line below the title
 MOST_SAID = 8  # lines on what is wrong
 
 
-def plan_picture(
+def draw_plan(
     walls: Sequence[WallOutline],
     others: Sequence[tuple[str, np.ndarray]],
     path: Path,
@@ -48,18 +48,18 @@ def plan_picture(
     bounds = np.array([ground.bounds for ground in grounds])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
     storeys = sorted({wall.storey for wall in walls})
-    beside = np.array([float(high[0] - low[0]) + 2.0 * GAP, 0.0])  # from the plan of a storey to the next
-    width = max(len(storeys) * beside[0], 1.6 * max(float(high[0] - low[0]), *(_length(wall) for wall in walls)))
+    offset = np.array([float(high[0] - low[0]) + 2.0 * GAP, 0.0])  # from the plan of a storey to the next
+    width = max(len(storeys) * offset[0], 1.6 * max(float(high[0] - low[0]), *(_length(wall) for wall in walls)))
     for k, storey in enumerate(storeys):
-        own, corner = [(wall, ground) for wall, ground in zip(walls, grounds, strict=True) if wall.storey == storey], low - k * beside
+        own, corner = [(wall, ground) for wall, ground in zip(walls, grounds, strict=True) if wall.storey == storey], low - k * offset
         _fill(axes, [ground for _, ground in own], corner, STONE)
         _fill(axes, [ground for wall, ground in own if wall.name in wrong], corner, FAULTY)
         for wall, _ in own:
-            _in_plan(axes, wall, corner)
+            _draw_in_plan(axes, wall, corner)
     for name, ring in others:
         axes.fill(*(ring - low).T, facecolor="none", edgecolor=OPENED, linewidth=0.7, linestyle="--")
-        _words(axes, ring.mean(axis=0) - low, name, 7)
-    _extents(axes, high - low)
+        _draw_words(axes, ring.mean(axis=0) - low, name, 7)
+    _draw_extents(axes, high - low)
     foot = _elevations(axes, walls, width, -3.0 * GAP, wrong)
     said = [line for fault in faults[:MOST_SAID] for line in textwrap.wrap(fault, LETTERS)]
     letter = (width + 4.0 * GAP) / LETTERS  # a line is about as wide as the drawing
@@ -88,7 +88,7 @@ def _fill(axes: Any, grounds: Sequence[Any], low: np.ndarray, colour: str) -> No
         axes.add_patch(PathPatch(rings, facecolor=colour, edgecolor=EDGE, linewidth=0.8))
 
 
-def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
+def _draw_in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
     """Draw the openings of a wall in plan, white, and its name."""
     line = wall.drawn_out - low
     for _, outline in wall.openings:
@@ -97,7 +97,7 @@ def _in_plan(axes: Any, wall: WallOutline, low: np.ndarray) -> None:
             continue
         axes.fill(*_band(_between(line, start, end), wall.thickness).T, facecolor="white", edgecolor=EDGE, linewidth=0.6)
     place = _between(line, 0.5 * _length(wall), 0.5 * _length(wall) + HAIR)[0]
-    _words(axes, place, f"{wall.name} {wall.thickness:.2f}", 7)
+    _draw_words(axes, place, f"{wall.name} {wall.thickness:.2f}", 7)
 
 
 def _band(line: np.ndarray, thickness: float) -> np.ndarray:
@@ -116,14 +116,14 @@ def _between(line: np.ndarray, start: float, end: float) -> np.ndarray:
     return np.column_stack([np.interp(places, at, line[:, k]) for k in (0, 1)])
 
 
-def _extents(axes: Any, size: np.ndarray) -> None:
+def _draw_extents(axes: Any, size: np.ndarray) -> None:
     """The extent of the axes in plan along x and y."""
     for (a, b), words, turn in (
         (((0.0, -GAP), (size[0], -GAP)), f"{size[0]:.2f}", 0),
         (((-GAP, 0.0), (-GAP, size[1])), f"{size[1]:.2f}", 90),
     ):
         axes.annotate("", a, b, arrowprops={"arrowstyle": "<->", "color": FAINT, "linewidth": 0.7})
-        _words(axes, 0.5 * (np.array(a) + np.array(b)), words, 8, turn)
+        _draw_words(axes, 0.5 * (np.array(a) + np.array(b)), words, 8, turn)
 
 
 def _elevations(axes: Any, walls: Sequence[WallOutline], width: float, under: float, wrong: Collection[str]) -> float:
@@ -134,12 +134,12 @@ def _elevations(axes: Any, walls: Sequence[WallOutline], width: float, under: fl
         if left > 0.0 and left + length > width:
             left, under, row = 0.0, under - row - 2.0 * GAP, 0.0
         row = max(row, high)
-        _elevation(axes, wall, np.array([left + wall.reach[0], under - high - wall.base]), FAULTY if wall.name in wrong else STONE)
+        _draw_elevation(axes, wall, np.array([left + wall.reach[0], under - high - wall.base]), FAULTY if wall.name in wrong else STONE)
         left += length + GAP
     return under - row - 2.0 * GAP
 
 
-def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray, colour: str) -> None:
+def _draw_elevation(axes: Any, wall: WallOutline, corner: np.ndarray, colour: str) -> None:
     start, end = -wall.reach[0], float(wall.top[-1, 0]) + wall.reach[1]
     tops = [(start, wall.top[0, 1]), *wall.top[1:-1], (end, wall.top[-1, 1])]
     ring = np.array([(start, wall.base), (end, wall.base), *tops[::-1]]) + corner
@@ -148,12 +148,12 @@ def _elevation(axes: Any, wall: WallOutline, corner: np.ndarray, colour: str) ->
         axes.fill(*(outline + corner).T, facecolor="white", edgecolor=EDGE, linewidth=0.7)
         (left, sill), (right, top) = outline.min(axis=0), outline.max(axis=0)
         words = f"{name}\n{right - left:.2f} x {top - sill:.2f}\n{sill - wall.base:.2f}".lstrip("\n")
-        _words(axes, np.array([0.5 * (left + right), 0.5 * (sill + top)]) + corner, words, 6)
+        _draw_words(axes, np.array([0.5 * (left + right), 0.5 * (sill + top)]) + corner, words, 6)
     highest = wall.top[int(np.argmax(wall.top[:, 1]))]
-    _words(axes, highest + corner + np.array([0.0, 0.3]), f"{highest[1]:+.2f}", 7)
-    _words(axes, np.array([0.5 * (start + end), wall.base - 0.6]) + corner, f"{wall.name} {end - start:.2f}", 8)
+    _draw_words(axes, highest + corner + np.array([0.0, 0.3]), f"{highest[1]:+.2f}", 7)
+    _draw_words(axes, np.array([0.5 * (start + end), wall.base - 0.6]) + corner, f"{wall.name} {end - start:.2f}", 8)
 
 
-def _words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:
+def _draw_words(axes: Any, place: np.ndarray, words: str, size: float, turn: float = 0.0) -> None:
     under = {"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.8}
     axes.text(place[0], place[1], words, fontsize=size, color=INK, ha="center", va="center", rotation=turn, bbox=under)

@@ -8,7 +8,7 @@ from typing import Any
 
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.foundation.figures import blank
-from reports.drawing.figure import COLOURS, FAINT, INK, halo, plain_axes
+from reports.drawing.figure import COLOURS, FAINT, INK, format_axes, halo
 
 DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -23,7 +23,7 @@ def colour(k: int) -> str:
     return COLOURS[k % len(COLOURS)]
 
 
-def heading(figure: Any, title: str, facts: str = "") -> None:
+def add_heading(figure: Any, title: str, facts: str = "") -> None:
     """A title and lines of facts at the top of a figure, whose layout is constrained to what is left."""
     width, height = figure.get_size_inches()
     title = shorten(title, int(OF_TITLE * width), placeholder=" …")
@@ -39,13 +39,13 @@ def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | N
     """A figure with a title, a line of facts, and panels side by side, or in several rows."""
     width, height = size or ((8.2, 5.6) if panels == 1 else (1.4 + 4.9 * panels, 5.4))
     figure = blank((width, height), DPI, layout="constrained")
-    heading(figure, title, facts)
+    add_heading(figure, title, facts)
     axes = list(figure.subplots(rows, -(-panels // rows), squeeze=False).flat)
     for spare in axes[panels:]:
         spare.remove()
     axes = axes[:panels]
     for one in axes:
-        plain_axes(one)
+        format_axes(one)
     return figure, axes
 
 
@@ -60,7 +60,7 @@ def logarithmic(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend(axes: Any, columns: int = 1, **more: Any) -> None:
+def add_legend(axes: Any, columns: int = 1, **more: Any) -> None:
     """A key below the axes."""
     handles, _ = axes.get_legend_handles_labels()
     if handles:
@@ -68,7 +68,7 @@ def legend(axes: Any, columns: int = 1, **more: Any) -> None:
         axes.legend(fontsize=9.5, frameon=False, labelcolor=INK, **options)
 
 
-def limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool) -> None:
+def draw_limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool) -> None:
     """The bound of a limit state, a dashed line with its name; ``across`` the picture, or upright."""
     look = {"color": colour(k), "linewidth": 1.1, "linestyle": (0, (5, 3)), "zorder": 2.5}
     words: dict[str, Any] = {"fontsize": 9.5, "color": colour(k), "path_effects": halo(), "zorder": 6}

@@ -27,7 +27,7 @@ NAMES = 12  # most faulty blocks that are named in the picture
 PITCH = 36.0  # of the names [pixels]
 
 
-def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str, path: Path) -> None:
+def draw_refused_blocks(blocks: Sequence[Block], faulty: Sequence[str], message: str, path: Path) -> None:
     """Draw a structure that was refused into a PNG, with the names of those at fault, and what is wrong, in a line.
 
     Raises:
@@ -47,12 +47,12 @@ def problem_picture(blocks: Sequence[Block], faulty: Sequence[str], message: str
         view=view,
         window=window.joined(Window.around(view.plane(red), 0.06)) if len(red) else window,
         layers=_layers(solids, at_fault),
-        title=f"Refused: {count} of {len(blocks)} blocks at fault",
+        title=f"Refused: {count} of {len(blocks)} blocks have errors",
         facts=textwrap.shorten(message, 150, placeholder=" …"),
         key=[KeyPanel(rows), RULER],
     )
     sheet = Sheet.drawn(scene)
-    _names(sheet, drawn, solids, at_fault, scene)
+    _draw_names(sheet, drawn, solids, at_fault, scene)
     sheet.save(path)
 
 
@@ -82,7 +82,7 @@ def _layers(solids: Solids, at_fault: np.ndarray) -> list[Surface | Lines]:
     ]
 
 
-def _names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: PictureScene) -> None:
+def _draw_names(sheet: Sheet, blocks: Sequence[Block], solids: Solids, at_fault: np.ndarray, scene: PictureScene) -> None:
     """The names of the first faulty blocks, in a column on either side, by height, with a line to each block."""
     axes = sheet.axes(*sheet.plan.model)
     width, height = sheet.plan.pixels

@@ -20,7 +20,7 @@ from reports.drawing.scene import PictureScene, cut_layers, joint_layers, placed
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
 AMBIENT = 0.45
-NO_CONTEXT = "no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
+NO_CONTEXT = "off-screen OpenGL is missing; on Debian and Ubuntu, run apt-get install libegl1 libgl1 (or set report.crack_map = false)"
 
 
 class NoContext(InputError):
@@ -51,7 +51,7 @@ class Canvas:
         context: Any = self._plotter.render_window
         context.SetMultiSamples(0)  # the samples are taken here, alike on every driver
         self._plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
-        _light(self._plotter, view)
+        _add_lights(self._plotter, view)
 
     def __enter__(self) -> Canvas:
         return self
@@ -104,7 +104,7 @@ def require_context() -> None:
         raise NoContext("pictures", NO_CONTEXT)
 
 
-def _light(plotter: Any, view: View) -> None:
+def _add_lights(plotter: Any, view: View) -> None:
     """Lights that keep their place at the viewer's side, so that every view is lit alike."""
     import pyvista
 

@@ -16,10 +16,10 @@ from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import CurveStage
 from masonry_cd.foundation.figures import blank
-from reports.drawing.figure import COLOURS, INK, plain_axes, save, zero_line
+from reports.drawing.figure import COLOURS, INK, draw_zero_line, format_axes, save
 from reports.drawing.palette import AT_WORK, PULLING
 from reports.drawing.parts import Ties, View, Window
-from reports.drawing.plots import DPI, heading
+from reports.drawing.plots import DPI, add_heading
 from reports.drawing.render import render
 from reports.drawing.scene import PictureScene
 from reports.drawing.solids import structure_window
@@ -35,7 +35,7 @@ LINE, WORST, SPAN = "#20506f", "#b3261e", "#e9e4d8"
 SHOWN = 4.0  # times the least factor: the plot ends there
 
 
-def curve_picture(curve: CapacityCurve, path: Path, title: str, facts: str, view: str = "auto") -> None:
+def draw_curve(curve: CapacityCurve, path: Path, title: str, facts: str, view: str = "auto") -> None:
     """Draw a capacity curve into a PNG.
 
     Raises:
@@ -44,19 +44,19 @@ def curve_picture(curve: CapacityCurve, path: Path, title: str, facts: str, view
     images = _images(curve, view)
     below = min(11.6 / len(images) * max(image.shape[0] / image.shape[1] for image in images), 5.2)
     figure = blank((12.0, 6.4 + below), DPI, layout="constrained")
-    heading(figure, title, facts)
+    add_heading(figure, title, facts)
     grid = figure.add_gridspec(2, len(images), height_ratios=(4.6, below))
-    _curve(figure.add_subplot(grid[0, :]), curve)
+    _draw_curve(figure.add_subplot(grid[0, :]), curve)
     for k, (mark, image) in enumerate(zip(curve.marks, images, strict=True)):
         axes = figure.add_subplot(grid[1, k])
         axes.imshow(image, interpolation="antialiased")
         axes.set_axis_off()
         axes.set_title(f"{LETTERS[k]}   factor {curve.shown_factor(mark):.3g}", fontsize=11, color=INK, loc="left")
-    _key(figure, curve)
+    _draw_key(figure, curve)
     save(figure, path)
 
 
-def _key(figure: Any, curve: CapacityCurve) -> None:
+def _draw_key(figure: Any, curve: CapacityCurve) -> None:
     """Explain the signs of the marked points, in a line below them."""
     from matplotlib.lines import Line2D
 
@@ -67,26 +67,26 @@ def _key(figure: Any, curve: CapacityCurve) -> None:
     figure.legend(handles=signs, loc="outside lower right", ncols=len(signs) or 1, fontsize=10, frameon=False)
 
 
-def _curve(axes: Any, curve: CapacityCurve) -> None:
+def _draw_curve(axes: Any, curve: CapacityCurve) -> None:
     """The line, its marks, and where the mechanism changes."""
     largest = float(np.abs(curve.displacement).max())
     _, scale, unit = next(row for row in UNITS if largest < row[0])
-    plain_axes(axes, "load factor", f"displacement of the control block [{unit}]")
-    zero_line(axes)
+    format_axes(axes, "load factor", f"displacement of the control block [{unit}]")
+    draw_zero_line(axes)
     x = scale * curve.displacement
     for first, end in pairwise([0, *curve.jumps, len(x)]):
         label = "limit analysis of the moved blocks" if first == 0 else None
         axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
-    for jump in curve.jumps:  # where blocks go on by themselves
-        label, there = "blocks go on by themselves" if jump == curve.jumps[0] else None, slice(jump - 1, jump + 1)
+    for jump in curve.jumps:  # where blocks move on without load
+        label, there = "blocks move on without load" if jump == curve.jumps[0] else None, slice(jump - 1, jump + 1)
         axes.plot(x[there], curve.factor[there], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
     upper = np.array([stage.associated for stage in curve.stages])
     above = upper > curve.factor + 1e-4 * abs(curve.factor[0])
     if above.any():
         shown = np.where(above, upper, np.nan)
-        axes.plot(x, shown, "--x", color=COLOURS[0], linewidth=1.1, markersize=5, label="associated factor, an upper value")
+        axes.plot(x, shown, "--x", color=COLOURS[0], linewidth=1.1, markersize=5, label="associated factor (upper bound)")
     for k, change in enumerate(curve.changes):
-        label = "other joints are at work" if k == 0 else None
+        label = "other joints are active" if k == 0 else None
         axes.plot(x[change], curve.factor[change], "|", color=INK, markersize=13, markeredgewidth=1.3, label=label)
     for k, mark in enumerate(curve.marks):
         axes.plot(x[mark], curve.factor[mark], "o", color=COLOURS[0], markersize=8, markeredgecolor="white")
@@ -125,7 +125,7 @@ def _scene(stage: CurveStage, solids: Solids, built: Solids, looking: View, wind
     return PictureScene(looking, window, layers, ties=Ties(ends[rods], ("",) * len(pulls), pulls))
 
 
-def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[tuple[float, float]], path: Path, title: str) -> None:
+def draw_crossing(position: np.ndarray, factor: np.ndarray, spans: Sequence[tuple[float, float]], path: Path, title: str) -> None:
     """Draw the factors (M,) of a vehicle over the places of its first axle along the road (M,) [m], and where arches begin and end.
 
     A factor is inf where any multiple is borne.
@@ -142,6 +142,6 @@ def crossing_picture(position: np.ndarray, factor: np.ndarray, spans: Sequence[t
         place = position[worst], factor[worst]
         axes.annotate(f"{place[1]:.4g} at {place[0]:.4g} m", place, (6, -14), textcoords="offset points", color=WORST)
         axes.set_ylim(0.0, SHOWN * factor[worst])
-    plain_axes(axes, "load factor", "first axle along the road [m]", grid="y")
+    format_axes(axes, "load factor", "first axle along the road [m]", grid="y")
     axes.set_title(title, color=INK, fontsize=11, loc="left")
     save(figure, path, title)

@@ -17,24 +17,24 @@ from reports.page.document import Badge, Head, pictures, rows_of, write_document
 from reports.page.words import number
 
 CAPTIONS = {
-    "mechanism.png": "How the structure gives way: blocks that move, joints that are hinges, slide or open; thin lines: the structure as "
-    "built. The size of the displacements is chosen for the eye; only their ratios are computed.",
-    "thrust.png": "The forces at collapse: where the resultant crosses each joint, as wide as it is large. Forces in parts that do not "
-    "move are one of many sets that balance the loads.",
-    "spectrum.png": "What the check of the mechanism that decides asks for, of the ground and at its height, and what it bears.",
-    "capacity.png": "The load factor while the mechanism goes on, as far as it was followed; below, the structure at the marked points.",
+    "mechanism.png": "How the structure fails: blocks that move, joints that are hinges, slide or open; thin lines: the structure as "
+    "built. The displacements are scaled for the picture; only their ratios are computed.",
+    "thrust.png": "The forces at collapse: the line passes through each joint where the resultant crosses it, and its width shows the "
+    "force. In parts that do not move, the forces are one of many sets that balance the loads.",
+    "spectrum.png": "The demand of the code check, on the ground and at the height of the governing mechanism, and its capacity.",
+    "capacity.png": "The load factor as the mechanism proceeds, as far as it was followed; below, the structure at the marked points.",
 }
 NAMED = 40  # blocks at most that are listed
 CERTIFICATE = {
     "static": (
         "Static value",
-        "what the forces found bear: the associated factor is no less, where the residuals of forces are zero",
+        "load that the computed forces balance: a lower bound of the associated factor, where the residuals of forces are zero",
     ),
-    "kinematic": ("Kinematic value", "the load that the mechanism found cannot resist: no factor is more"),
-    "gap": ("Gap", "between the two: how far the associated factor is known"),
-    "equilibrium": ("Equilibrium", "largest force that is left over on a block, over the mean weight of a block"),
-    "friction": ("Strength", "largest force beyond what friction or a bond allows, over the mean weight of a block"),
-    "flow": ("Flow rule", "by how much a joint closes that must not, over the largest velocity"),
+    "kinematic": ("Kinematic value", "load that the computed mechanism cannot resist: an upper bound of the factor"),
+    "gap": ("Gap", "difference of the two: how precisely the associated factor is known"),
+    "equilibrium": ("Equilibrium", "largest unbalanced force on a block, over the mean weight of a block"),
+    "friction": ("Strength", "largest force in excess of friction or bond strength, over the mean weight of a block"),
+    "flow": ("Flow rule", "largest closing velocity of a joint that must not close, over the largest velocity"),
 }
 STATES = {"hinge": "hinges", "slide": "slide", "hinge_and_slide": "hinge and slide", "open": "open"}
 
@@ -92,9 +92,9 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object, str]]:
     out = _numbers_of_the_whole(summary) if "stands" in summary else []
     if summary["parts"]:
         out.append(("macro-elements", len({part["element"] for part in summary["parts"]}), ""))
-    out.append(("mechanisms looked at", len(summary["mechanisms"]), ""))
+    out.append(("mechanisms examined", len(summary["mechanisms"]), ""))
     for one in (summary["check"] or {}).get("verdicts", []):
-        out.append((f"{one['check']} check, {one['state']}: borne over required", number(one["ratio"], digits=3), ""))
+        out.append((f"{one['check']} check, {one['state']}: capacity over demand", number(one["ratio"], digits=3), ""))
     if (rating := summary["rating"]) is not None:
         out.append((f"heaviest level of CS 454 with a load factor of {rating['asked']:g}", rating["level"] or "none", ""))
     if (risk := (summary["check"] or {}).get("risk")) and risk["risk_class"]:
@@ -110,19 +110,19 @@ def _numbers_of_the_whole(summary: Mapping[str, Any]) -> list[tuple[str, object,
     elif summary["no_finite_factor"]:
         out.append(("load factor", "not finite", ""))
     elif summary.get("associated") is not None:
-        out.append(("load factor, an upper value", number(summary["associated"]), ""))
+        out.append(("load factor (upper bound)", number(summary["associated"]), ""))
     if summary.get("least") and not summary["bears_nothing"]:
         out.append(("least factor found without dilation", number(summary["least"]["factor"]), ""))
     return [*out, ("blocks that move", len(summary["mechanism"]["moving_blocks"]), f" of {summary['blocks']}")]
 
 
 def _looked(basis: Mapping[str, Any]) -> list[list[str]]:
-    """The mechanisms looked at, the one that is checked first."""
+    """The mechanisms examined, the one that is checked first."""
     return [
         [
             one["found"], f"{one['moving_blocks']:,}", number(one["alpha0"]), number(one["fraction"], digits=3),
             number(one["acceleration"], "m/s²"), number(one["height"], "m", digits=3),
-            f"e* = 1 is taken: {one['doubt']}" if one["doubt"] else "",
+            f"e* = 1 is used: {one['doubt']}" if one["doubt"] else "",
         ]
         for one in basis["looked"]
     ]  # fmt: skip
@@ -169,7 +169,7 @@ def _in_service(service: Mapping[str, Any] | None) -> list[list[str | Badge]]:
     """The checks in service."""
     return [
         [
-            row["words"], "dead loads alone do not" if row["factor"] is None and not row["met"] else _factor(row["factor"]),
+            row["words"], "not met under dead loads" if row["factor"] is None and not row["met"] else _factor(row["factor"]),
             f"{row['asked']:g}", "–" if row["position"] is None else f"{row['position']:.4g}",
             Badge(f"verdict {STATES_OF_CHECKS['satisfied' if row['met'] else 'NOT satisfied']}", "met" if row["met"] else "not met"),
         ]
@@ -204,17 +204,17 @@ def _notes(summary: Mapping[str, Any], least: Sequence[Mapping[str, Any]]) -> li
     """Notes on the table of mechanisms, a sentence or two each."""
     out = []
     if any(row["doubt"] for row in least):
-        out.append("¹ e* = 1 is taken, the safe side: the mechanism dilates, spreads, or moves much that takes no part.")
+        out.append("¹ e* = 1 is used, on the safe side: the mechanism dilates, spreads, or moves much mass that does not participate.")
     if any(row["check"] == "non-linear" for row in least):
-        out.append("² The check by displacements decides; elsewhere that by accelerations.")
+        out.append("² The displacement check governs; elsewhere the acceleration check does.")
     if any(row["displacement"] is not None for row in least):
         by = " or a ".join(dict.fromkeys(row["last_by"] for row in least if row["last_by"]))
-        out.append(f"d0* is that of a {by}, followed until the factor vanishes: column d0_by of mechanisms.csv.")
-        out.append("The friction of interlock counts in α0 and not in d0*, since it does not last to collapse (C8.7.1.2.1.6).")
+        out.append(f"d0* is the displacement of a {by}, followed until the factor vanishes: column d0_by of mechanisms.csv.")
+        out.append("The friction of interlock counts in α0 but not in d0*, because it does not last until collapse (C8.7.1.2.1.6).")
     if why_not := [*dict.fromkeys(row["no_displacement"] for row in least if row["no_displacement"])]:
-        out.append(f"No check by displacements: {'; '.join(why_not)}.")
+        out.append(f"No displacement check: {'; '.join(why_not)}.")
     if undecided := [*dict.fromkeys(row["undecided"] for row in least if row["undecided"])]:
-        out.append(f"Why some are not decided: {'; '.join(undecided)}.")
+        out.append(f"Undecided mechanisms: {'; '.join(undecided)}.")
     return out + [f"Left open by the clauses: {one}." for one in summary["left_open"]]
 
 
@@ -251,6 +251,6 @@ def damage_by_group(folder: Path) -> dict[str, str]:
     """
     path = folder / "damage.csv"
     if not path.exists():
-        raise InputError("--run", f"{folder} has no damage.csv; masonry-cd report {folder} writes it where [report] damage = true")
+        raise InputError("--run", f"{folder} has no damage.csv; set [report] damage = true in its scene and run masonry-cd report {folder}")
     with path.open(newline="", encoding="utf-8") as file:
         return {row["part"]: " ".join(filter(None, (row.get("grade", ""), row.get("mechanism", "")))) for row in csv.DictReader(file)}

@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.analysis.code_check.verdicts import LINEAR, CheckSpectrum
 from masonry_cd.foundation.quantities import per_cent
 from reports.drawing.figure import COLOURS, FAINT, INK, halo, save
-from reports.drawing.plots import legend, sheet
+from reports.drawing.plots import add_legend, sheet
 
 UNITS = {"m": (1e3, "mm"), "m/s2": (1.0, "m/s²")}  # of a check: by which its values are drawn, and the name
 GROUND, FLOOR, BORNE = FAINT, COLOURS[0], COLOURS[2]
@@ -23,7 +23,7 @@ LOW = 0.08  # share of an axis below which a point is near its end
 SAME = 1e-3  # share by which a demand may exceed the curve and lie on it
 
 
-def spectrum_picture(spectra: Sequence[CheckSpectrum], path: Path, title: str, facts: str) -> Path:
+def draw_spectra(spectra: Sequence[CheckSpectrum], path: Path, title: str, facts: str) -> Path:
     """Draw the spectrum of each check with the points of demand and capacity into a PNG, SVG or PDF; return its path.
 
     Raises:
@@ -31,11 +31,11 @@ def spectrum_picture(spectra: Sequence[CheckSpectrum], path: Path, title: str, f
     """
     figure, panels = sheet(title, facts, len(spectra), (12.0, 5.4) if len(spectra) > 1 else (8.2, 5.4))
     for axes, spectrum in zip(panels, spectra, strict=True):
-        _panel(axes, spectrum)
+        _draw_panel(axes, spectrum)
     return save(figure, path, title)
 
 
-def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
+def _draw_panel(axes: Any, spectrum: CheckSpectrum) -> None:
     """One check."""
     check, (scale, unit) = spectrum.check, UNITS[spectrum.check.unit]
     damped = per_cent(check.damping)
@@ -54,7 +54,7 @@ def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
     sunk = APART if scale * low < LOW * top else 0.0  # words below the lower point would lie on the axis
     for value, colour, marker, words in ((check.demand, ASKED, "s", "required"), (check.capacity, BORNE, "o", "borne")):
         up = sunk + (APART if value == high else -APART)
-        _point(axes, (check.period, scale * value), (colour, marker), f"{words}: {scale * value:.4g} {unit}", up)
+        _draw_point(axes, (check.period, scale * value), (colour, marker), f"{words}: {scale * value:.4g} {unit}", up)
     if check.period > 0.0:
         axes.axvline(check.period, color=FAINT, linewidth=0.8, linestyle=":", zorder=1)
         axes.annotate(
@@ -67,10 +67,10 @@ def _panel(axes: Any, spectrum: CheckSpectrum) -> None:
     axes.set_ylabel(f"{what} [{unit}]", fontsize=11, color=INK)
     axes.set_xlim(0.0 if check.period > 0.0 else -0.02 * spectrum.period[-1], spectrum.period[-1])
     axes.set_ylim(0.0, top)
-    legend(axes)
+    add_legend(axes)
 
 
-def _point(axes: Any, at: tuple[float, float], look: tuple[str, str], words: str, up: float) -> None:
+def _draw_point(axes: Any, at: tuple[float, float], look: tuple[str, str], words: str, up: float) -> None:
     """A point in a colour and with a marker, and words at its side, moved up by some points of type."""
     colour, marker = look
     axes.plot(*at, marker, color=colour, markersize=8, markeredgecolor="white", zorder=5, clip_on=False)

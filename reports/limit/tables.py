@@ -62,7 +62,7 @@ def block_rows(collapse: Collapse, assembly: Assembly) -> list[list[Any]]:
 
 
 def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[list[Any]]:
-    """The cells of ``JOINTS`` for every joint; what is no number is nan."""
+    """The cells of ``JOINTS`` for every joint; what is not a number is nan."""
     moves, rows = collapse.mechanism, []
     for j in range(joints.count):
         names = [assembly.names[joints.block_a[j]], assembly.names[joints.block_b[j]]]

@@ -5,7 +5,7 @@ An open joint is a solid band coloured by its opening, a slid one is dashed and 
 happened the dashes lie on the band; the dashes of a joint that was crushed are magenta. So a colour-blind reader can distinguish them,
 and so can one of a grey print. Cracks within stones are green. The classes of both scales run 1-2-5 from the threshold of damage to
 ``largest``: equal thresholds give equal colours, and the maps of two runs can be laid side by side; what opened less, a hairline of under
-0.1 mm by default, is no crack. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
+0.1 mm by default, is not a crack. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
 displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale shadow.
 A cut takes away what lies before a plane (:mod:`reports.drawing.cut`); the forces are drawn on request (:mod:`reports.maps.thrust`).
 

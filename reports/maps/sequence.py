@@ -58,7 +58,7 @@ def _margin(times: np.ndarray) -> float:
     return slack(float(np.diff(times).max(initial=0.0)))
 
 
-def crack_maps(results: Results, folder: Path, times: Sequence[float], style: MapStyle | None = None) -> list[Path]:
+def draw_crack_maps(results: Results, folder: Path, times: Sequence[float], style: MapStyle | None = None) -> list[Path]:
     """Draw the crack maps next to some times [s] into ``crack_map_1.25s.png`` and so on; return the files.
 
     Raises:
@@ -73,7 +73,7 @@ def crack_maps(results: Results, folder: Path, times: Sequence[float], style: Ma
     return paths
 
 
-def animation(
+def draw_animation(
     results: Results, path: Path, style: MapStyle | None = None, most: int = MOST_FRAMES, progress: Callable[[int], None] | None = None
 ) -> int:
     """Draw a GIF of the run, in its own time where it has no more than ``most`` frames a viewer can follow; return their number.

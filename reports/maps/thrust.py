@@ -36,7 +36,7 @@ def ribbons(
         InputError: the file holds no forces, or not where they act.
     """
     if not (results.has_joint_history("normal_force") and results.has_joint_history("force_point")):
-        raise InputError("thrust", "this result does not hold the forces of its joints and where they act; run its scene again")
+        raise InputError("thrust", "the result file lacks the forces of the joints and their points of action; run the scene again")
     joints = results.joints
     force = np.where(snapshot.separated, 0.0, joint_frame(results, "normal_force", frame))
     place = drawn_points(results, solids, pose, frame, factor)

@@ -59,7 +59,7 @@ def check_needs(settings: Report) -> None:
     """
     for name in (*OUTPUTS, *settings.by_name):
         if getattr(settings, name, False):
-            require(f"report.{name}", *output_of(name).needs, without=f" (or go without: --set report.{name}=false)")
+            require(f"report.{name}", *output_of(name).needs, without=f" (or leave the output out: --set report.{name}=false)")
 
 
 def check_again(settings: Report, results: Results) -> None:
@@ -76,14 +76,14 @@ def parse_times(results: Results, text: str) -> list[float]:
     """Times given as ``1,2,3`` [s].
 
     Raises:
-        InputError: something that is no number, or a time outside the run.
+        InputError: something that is not a number, or a time outside the run.
     """
     times = []
     for word in text.split(","):
         try:
             times.append(float(word))
         except ValueError:
-            raise InputError("--times", f'"{word.strip()}" is no number; write seconds, 1,2.5,4') from None
+            raise InputError("--times", f'"{word.strip()}" is not a number; write times in seconds, such as 1,2.5,4') from None
     frames_at(results, times)
     return times
 

@@ -21,9 +21,9 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.figures import blank
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.energy_terms import LIFT, LOSSES, WORKS
-from reports.drawing.figure import INK, plain_axes, save, zero_line
+from reports.drawing.figure import INK, draw_zero_line, format_axes, save
 from reports.drawing.palette import ENERGIES
-from reports.drawing.plots import STROKES, colour, heading
+from reports.drawing.plots import STROKES, add_heading, colour
 from reports.files import Job, Output
 
 GOES = dict(reversed(LOSSES.items()))  # from below
@@ -40,13 +40,13 @@ def energy_figure(results: Results) -> Any:
     """
     time, energy = energies(results)
     if not len(time):
-        raise InputError(results.path, "the run made no step: there is no energy to draw")
+        raise InputError(results.path, "the run made no step, so there is no energy to draw")
     works, goes = _present(energy, WORKS), _present(energy, GOES)
     size = max(float(np.abs(energy[key]).max()) for key in (*works, *goes))
     factor, unit = next((row for row in UNITS if size * row[0] >= 1.0), UNITS[-1])
     put_in = factor * sum((energy[key] for key in works), np.zeros(len(time)))
     figure = blank((12.0, 8.2), 110, layout="constrained")
-    heading(figure, f"Energy: {results.title}")
+    add_heading(figure, f"Energy: {results.title}")
     upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(3.2, 2.2, 1.1))
     hues, labels = [HUES[key] for key in goes], [GOES[key] for key in goes]
     upper.stackplot(time, [factor * energy[key] for key in goes], colors=hues, labels=labels, alpha=0.75, linewidth=0)
@@ -57,8 +57,8 @@ def energy_figure(results: Results) -> Any:
     largest = max(float(np.abs(energy[key]).max()) for key in ("kinetic", *works, *_present(energy, LIFT)))
     lower.plot(time, energy["balance"] / largest if largest > 0.0 else energy["balance"], color=INK, linewidth=1.2)
     for axes, words in ((upper, f"where it went [{unit}]"), (middle, f"put in [{unit}]"), (lower, "balance\n[share of the\nlargest work]")):
-        plain_axes(axes, words, "time [s]" if axes is lower else "")
-        zero_line(axes)
+        format_axes(axes, words, "time [s]" if axes is lower else "")
+        draw_zero_line(axes)
     for axes in (upper, middle):
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), reverse=True, fontsize=11, frameon=False)
     return figure
@@ -85,5 +85,5 @@ def _write(job: Job) -> Iterable[Path]:
 
 FILE = "energy.png"
 OUTPUTS = {
-    "energy": Output({FILE: "what was put in over time, where it went, and how well the account closes"}, _write, needs=("matplotlib",))
+    "energy": Output({FILE: "energy over time: the work done, where it went, and the error of the balance"}, _write, needs=("matplotlib",))
 }

@@ -32,7 +32,7 @@ def write_pdf(page: Path, path: Path) -> None:
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
         raise InputError(
-            "--pdf", "no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser"
+            "--pdf", "Chromium, which prints the page, is missing (Debian: apt-get install chromium); or print report.html from any browser"
         )
     part_of(path).unlink(missing_ok=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -40,23 +40,23 @@ def write_pdf(page: Path, path: Path) -> None:
         try:
             subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired:
-            raise InputError("--pdf", f"{browser} did not end within {PATIENCE:g} s") from None
+            raise InputError("--pdf", f"{browser} did not finish within {PATIENCE:g} s") from None
     if not part_of(path).exists():
         raise InputError("--pdf", f"{browser} printed nothing")
     part_of(path).replace(path)
 
 
-def _page(job: Job) -> Iterable[Path]:
+def _write_html(job: Job) -> Iterable[Path]:
     write_page(job.results, job.folder / PAGE, job.settings, job.summary, job.damage)
     return [job.folder / PAGE]
 
 
-def _print(job: Job) -> Iterable[Path]:
+def _write_print(job: Job) -> Iterable[Path]:
     write_pdf(job.folder / PAGE, job.folder / PRINT)
     return [job.folder / PRINT]
 
 
 OUTPUTS = {
-    "html": Output({PAGE: "the page that shows the run to any browser"}, _page, place=50, needs=("matplotlib",)),
-    "pdf": Output({PRINT: "the page on A4"}, _print, never, 51),
+    "html": Output({PAGE: "the page of the run, for any browser"}, _write_html, place=50, needs=("matplotlib",)),
+    "pdf": Output({PRINT: "the page on A4"}, _write_print, never, 51),
 }

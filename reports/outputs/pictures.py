@@ -9,39 +9,39 @@ from pathlib import Path
 from masonry_cd.io.summary import Summary
 from reports.drawing.figure import Sheet, save_polygons
 from reports.files import Job, Output
-from reports.maps.sequence import animation, crack_maps, times_within
+from reports.maps.sequence import draw_animation, draw_crack_maps, times_within
 from reports.outputs import crack_scene_at, frame_at, style_of
 
 
-def _crack_map(job: Job) -> Iterable[Path]:
+def _write_crack_map(job: Job) -> Iterable[Path]:
     """The map of a frame."""
     Sheet.drawn(crack_scene_at(job.results, job.settings, job.time)).save(job.folder / "crack_map.png")
     return [job.folder / "crack_map.png"]
 
 
-def _vector(job: Job) -> Iterable[Path]:
+def _write_vector(job: Job) -> Iterable[Path]:
     """That map as polygons."""
     return save_polygons(crack_scene_at(job.results, job.settings, job.time), job.folder, "crack_map")
 
 
-def _times(job: Job) -> Iterable[Path]:
+def _write_times(job: Job) -> Iterable[Path]:
     """Maps at some times; of a run that left out rests or was interrupted, a warning for those beyond its end."""
     times, beyond = times_within(job.results, job.settings.times)
     if beyond:
         at = ", ".join(f"{time:g}" for time in beyond)
-        why = "which was interrupted" if job.summary.stopped else "whose rests were cut short"
+        why = "which was interrupted" if job.summary.stopped else "whose quiet times were skipped"
         line = f"report.times: no map at {at} s: the run, {why}, ends at {job.results.time[-1]:g} s"
         job.summary |= Summary(warnings=(*job.summary.warnings, line))
-    return crack_maps(job.results, job.folder, times, style_of(job.settings)) if times else []
+    return draw_crack_maps(job.results, job.folder, times, style_of(job.settings)) if times else []
 
 
-def _animation(job: Job) -> Iterable[Path]:
+def _write_animation(job: Job) -> Iterable[Path]:
     """The map through the run."""
-    animation(job.results, job.folder / "crack_map.gif", style_of(job.settings))
+    draw_animation(job.results, job.folder / "crack_map.gif", style_of(job.settings))
     return [job.folder / "crack_map.gif"]
 
 
-def _stress(job: Job) -> Iterable[Path]:
+def _write_stress(job: Job) -> Iterable[Path]:
     """The tables, and the numbers of the summary.
 
     Raises:
@@ -57,7 +57,7 @@ def _stress(job: Job) -> Iterable[Path]:
     return write_stress(job.results, peaks, job.folder)
 
 
-def _stress_map(job: Job) -> Iterable[Path]:
+def _write_stress_map(job: Job) -> Iterable[Path]:
     """The map of a frame where a time is given, else of the whole run."""
     from reports.maps.stress_map import stress_scene
 
@@ -73,11 +73,11 @@ PICTURES = ("pyvista", "matplotlib", "PIL")
 OUTPUTS = {
     "stress": Output(
         {
-            "stress.csv": "every block: largest mean compression and tension and when, its stress at the end, the share of its strength",
+            "stress.csv": "every block: largest mean compression and tension with their times, final stress, share of the strength",
             "joint_stress.csv": "every joint: largest compression at its edge, largest normal force",
-            "element_stress.csv": "every element of meshed blocks: largest compression and tension and when, stress at the end",
+            "element_stress.csv": "every element of meshed blocks: largest compression and tension with their times, final stress",
         },
-        _stress,
+        _write_stress,
         lambda job: job.results.has_stress,
         20,
     ),
@@ -87,21 +87,23 @@ OUTPUTS = {
             "stress_map.svg": "that map as polygons",
             "stress_map.pdf": "that map as polygons",
         },
-        _stress_map,
+        _write_stress_map,
         lambda job: job.results.has_stress,
         21,
     ),
     "crack_map": Output(
         {"crack_map.png": "the structure at the end, its joints coloured by opening and sliding"},
-        _crack_map,
+        _write_crack_map,
         place=30,
         needs=PICTURES,
     ),
-    "vector": Output({"crack_map.svg": "that map as polygons", "crack_map.pdf": "that map as polygons"}, _vector, place=31, needs=PICTURES),
-    "times": Output({}, _times, place=32, needs=PICTURES),
+    "vector": Output(
+        {"crack_map.svg": "that map as polygons", "crack_map.pdf": "that map as polygons"}, _write_vector, place=31, needs=PICTURES
+    ),
+    "times": Output({}, _write_times, place=32, needs=PICTURES),
     "animation": Output(
         {"crack_map.gif": "that map through the run"},
-        _animation,
+        _write_animation,
         lambda job: job.settings.animation and job.results.frames > 1,
         33,
         needs=PICTURES,

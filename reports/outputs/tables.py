@@ -9,7 +9,7 @@ from pathlib import Path
 from reports.files import Job, Output, never
 
 DAMAGE = {
-    "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
+    "damage.csv": "every part: counts, largest and final values, drift, mechanism, grade with its reason",
     "damage_history.csv": "every part over time",
     "hinges.csv": "joints that were hinges, and where they touched",
     "drift.csv": "displacement and drift of every part, level by level",
@@ -18,7 +18,7 @@ DAMAGE = {
 }
 
 
-def _damage(job: Job) -> Iterable[Path]:
+def _write_damage(job: Job) -> Iterable[Path]:
     """The damage by part, in short in the summary as well."""
     from masonry_cd.analysis.outputs.measured import in_short
     from masonry_cd.io.summary import Summary
@@ -33,17 +33,17 @@ OUTPUTS = {
     "run": Output(
         {
             "result.h5": "all that the run recorded, frame by frame and step by step, with its blocks and its scene",
-            "joints.csv": "every joint: largest and last opening and sliding, rotation, contact lost, state",
-            "summary.json": "the run in numbers, the verdict on it among the first",
-            "ties.csv": "every tie: largest tension and when, tension at the end, from when it yielded",
+            "joints.csv": "every joint: largest and final opening and sliding, rotation, contact lost, state",
+            "summary.json": "the results in numbers, with the verdict near the top",
+            "ties.csv": "every tie: largest tension with its time, final tension, time of first yield",
         },
         asked=never,
         carried=("joints.csv",),
     ),
-    "damage": Output(DAMAGE, _damage, place=10, carried=tuple(name for name in DAMAGE if name.endswith(".csv"))),
+    "damage": Output(DAMAGE, _write_damage, place=10, carried=tuple(name for name in DAMAGE if name.endswith(".csv"))),
     "laboratory": Output(
         {
-            "force_displacement.csv": "every push by displacement, step by step: displacement, reaction, inertia left in it",
+            "force_displacement.csv": "every push by displacement, step by step: displacement, reaction, remaining inertia",
             "push_cycles.csv": "every cycle of a push: dissipated energy, equivalent damping",
             "force_displacement.png": "the curves of pushes by displacement",
             "points.csv": "the motion of the points that the scene watches",

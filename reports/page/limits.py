@@ -24,8 +24,8 @@ from reports.page.section import Section
 from reports.page.words import PageContext, number
 
 PLANE = (
-    "The structure and its loads mirror each other about one plane and stay in it: motion across that plane, such as that of a wall out of "
-    "its plane, cannot occur in this run."
+    "The structure and its loads are symmetric about one plane: motion across that plane, such as that of a wall out of its plane, cannot "
+    "occur in this run."
 )
 
 
@@ -54,7 +54,7 @@ def assumptions(context: PageContext) -> list[str]:
     return [
         _blocks(context, found),
         *([friction_in_words(found.friction), *_joints(found)] if found else []),
-        "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
+        "Blocks collide without rebound: impacts are perfectly plastic and do not damage the blocks.",
         _base(context),
         *_gravity(context),
         *([PLANE] if context.summary.planar else []),
@@ -79,9 +79,9 @@ def _blocks(context: PageContext, material: Material | None) -> str:
     low, high = min(densities), max(densities)
     density = number(low) if low == high else f"{number(low)} to {number(high)}"
     return (
-        f"The {len(free)} blocks that are free to move are {_kind(context, material)}, of uniform density ({density} kg/m³); "
-        "they touch, slide, rock and part only at their faces. Cracks run through joints alone, along the division into blocks that the "
-        f"scene makes{', and planes laid through stones' if any(block.stone for block in free) else ''}."
+        f"The {len(free)} free blocks are {_kind(context, material)}, of uniform density ({density} kg/m³); they touch, slide, rock and "
+        "separate only at their faces. Cracks form only in joints, between the blocks that the scene defines"
+        f"{', and along planes through stones' if any(block.stone for block in free) else ''}."
     )
 
 
@@ -99,13 +99,13 @@ def _kind(context: PageContext, material: Material | None) -> str:
     for kind in dict.fromkeys(kinds.values()):
         own = ", ".join(group for group in groups if kinds.get(group) == kind)
         parts.append(f"elastic, {kind}, where they belong to {own}")
-    return "; ".join(parts) + ("" if len(laws) == len(groups) else "; else rigid")
+    return "; ".join(parts) + ("" if len(laws) == len(groups) else "; the others are rigid")
 
 
 def _joints(material: Material) -> list[str]:
     """Dry joints, or the mortar of each pair of groups."""
     laws, otherwise, stones = material.joint_laws, _otherwise(material), stones_in_words(material.stones)
-    dry = f"are {otherwise} and dry: they bear no tension, pass on any pressure, and have no cohesion."
+    dry = f"are {otherwise} and dry: they have no tensile strength, no cohesion, and unlimited compressive strength."
     if not laws:
         return [f"Joints {dry}", *stones]
     named = [(pair, law) for pair, law in laws.items() if pair != "default"][:LISTED]
@@ -137,7 +137,7 @@ def _base(context: PageContext) -> str:
         return f"{supports} and {turn or 'at rest'}."
     differ = base.largest_difference
     turning = f", and {turn}" if turn else ""
-    together = "" if count == 1 else ", all alike" if not differ else f", apart from one another by up to {in_metres(differ)}"
+    together = "" if count == 1 else ", all alike" if not differ else f", with relative displacements of up to {in_metres(differ)}"
     return f"{supports} and {'moves' if count == 1 else 'move'} as prescribed along {' and '.join(moving)}{together}{turning}."
 
 

@@ -16,7 +16,7 @@ function short(value, digits = 4) {
   return `${Number(mantissa)}·10${[...power.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`.replace("-", "−");
 }
 
-/* Round numbers between two bounds, two or more, about so many. */
+/* Round numbers between two bounds, two or more, about as many as requested. */
 function ticks(low, high, about) {
   const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find((s) => s * power >= 0.6 * raw), out = [];

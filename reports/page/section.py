@@ -25,7 +25,7 @@ class Section:
     title: str
     data: Callable[[PageContext], Mapping[str, Any]]  # values of its template; empty where the page has no such section
     place: int = LAST  # in the order of sections; below zero above the model
-    template: str = ""  # its text, where it is no file
+    template: str = ""  # its text, where it is not a file
 
     def html(self, name: str, data: Mapping[str, Any]) -> str:
         """The section filled in."""

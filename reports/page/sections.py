@@ -35,41 +35,41 @@ PREFIX = "file/"  # of the names of files among the packed arrays
 COUNTS = ("only_opened", "only_slid", "opened_and_slid", "separated", "lost_blocks")
 SAID = {  # what a check means, and what to do
     END: (
-        "What is left of cracks, slips and drifts, and the grades, hold once all standing blocks are still.",
-        "They are provisional here: let the run go on (run.until_still, run.longest, or --resume).",
+        "Residual cracks, slips and drifts, and the grades, are final once all standing blocks are at rest.",
+        "They are provisional here: let the run continue (run.until_still, run.longest, or --resume).",
     ),
     FORCES: (
-        "In each time step all contact forces are found at once, so that no joint pulls, none is pushed together further, and friction "
-        "obeys Coulomb's law. The error is by how much they miss this, as a share of what the step has to balance: 10⁻³ is a thousandth.",
-        "Look at the plot of the solver's error: single steps in an impact hardly matter, stretches of missed steps do. Raise "
-        "run.max_iterations, or halve run.dt. Where steps left contacts closing, their forces mean nothing: look at what pushes blocks "
-        "together there.",
+        "Each time step finds all contact forces together, so that no joint pulls, no closed joint closes further, and friction obeys "
+        "Coulomb's law. The error is the residual of these conditions as a share of what the step has to balance: 10⁻³ is a thousandth.",
+        "Look at the plot of the solver's error: single steps during an impact hardly matter, sequences of missed steps do. Raise "
+        "run.max_iterations, or halve run.dt. Where steps left contacts closing, the forces are meaningless: find out what pushes the "
+        "blocks together there.",
     ),
     FALSE_MOTION: (
-        "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
-        "here at the single worst contact. It should be small compared with the largest displacement.",
-        "Tighten run.tolerance until it is.",
+        "The error of the contact forces lets joints slip that friction should hold, and lets compressed joints part. The slip "
+        "accumulates; the value is that of the single worst contact. It should be small compared with the largest displacement.",
+        "Lower run.tolerance until it is.",
     ),
     ENERGY: (
-        "The work of the base, of gravity and of forces is either still there as motion or was lost to friction and impacts. What does not "
-        "add up is an error of the computation.",
-        "Halve run.dt and compare; if it stays, tighten run.tolerance.",
+        "The work of the base, of gravity and of other forces either remains as motion or was dissipated by friction and impacts. The rest "
+        "is an error of the computation.",
+        "Halve run.dt and compare; if the error remains, lower run.tolerance.",
     ),
     OVERLAP: (
-        "Blocks should not enter one another. Openings and slidings below this mean nothing.",
-        "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
+        "Blocks should not penetrate each other. Openings and slidings below this value are meaningless.",
+        "Halve run.dt and lower run.tolerance; blocks that jam between moving supports also cause overlap.",
     ),
-    LOADS: ("What has not acted has done nothing: 95 % of each load are wanted.", "Take a longer run.duration, or an earlier start."),
-    LAWS: ("Beyond it the law of a joint is none of masonry.", "Check its stiffness, its strength and what lies on it."),
+    LOADS: ("At least 95 % of each load should have acted by the end of the run.", "Use a longer run.duration, or an earlier start."),
+    LAWS: ("Beyond this limit the law of a joint does not describe masonry.", "Check its stiffness, its strength and its loads."),
     MODEL: (
-        "Values that are likely in another unit, and blocks that nothing carries, make another structure than the one that is wanted.",
-        "Mend them, or list the keys that are as they should be in quiet_checks.",
+        "Values that are probably in another unit, and blocks without support, describe a structure other than the intended one.",
+        "Correct them, or list the keys whose values are intended in quiet_checks.",
     ),
-    TIME_STEP: ("It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.", "Take a smaller run.dt."),
+    TIME_STEP: ("It must resolve the shaking, the rocking of the smallest block, and the fastest motion.", "Use a smaller run.dt."),
     BEDS: (
-        "An elastic joint that opens carries on part of its depth. Where a single row of points carries for that part, it does so at the "
+        "An elastic joint that opens carries load on part of its depth. Where a single row of points represents that part, it lies at the "
         "very edge, and the joint is stronger than its bed.",
-        "Set more material.joints.joint_points, or leave the key out.",
+        "Raise material.joints.joint_points, or leave the key out.",
     ),
 }
 
@@ -94,7 +94,7 @@ def parts(context: PageContext) -> Mapping[str, Any]:
 def _part(row: Mapping[str, Any], whole: bool, context: PageContext) -> list[str | Badge]:
     """A row of the table of parts; the verdict stands for the grades of a run that cannot be relied on, once, in the row of the whole."""
     grade, reason = row["grade"], row["grade_reason"]
-    if not context.checks.reliable:
+    if not context.checks.is_reliable:
         grade, reason = NOT_GRADED, context.verdict.words if whole else ""
     lengths = [1e3 * row["residual_opening"], 1e3 * row["residual_sliding"]]
     drifts = [1e2 * row["residual_drift"], 1e2 * row["max_drift"]]

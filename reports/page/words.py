@@ -70,7 +70,7 @@ class PageContext:
 
     @cached_property
     def checks(self) -> Checks:
-        """Checks that the run made of itself."""
+        """Checks of the run."""
         found = Summary(collapsed_blocks=len(self.measured.fallen), displacement_max=self.measured.displacement_max)
         return checks_of(self.summary | found, self.thresholds, self.end)
 
@@ -175,11 +175,11 @@ def notices(context: PageContext) -> list[str]:
     if summary.stopped:
         out.append(f"The run ended early: {summary.stopped}. The page shows it up to there.")
     elif not summary.steps:
-        out.append("The run has no summary: it was stopped or is still running. The page shows what it had written.")
+        out.append("The run has no summary: it was stopped or is still running. The page shows the results written so far.")
     if context.provisional:
         why = context.provisional.partition(": ")[2]
         out.append(
-            f"What is left is provisional: {why}. Openings, slidings, drifts, mechanisms and grades would change if the run continued."
+            f"Residual values are provisional: {why}. Openings, slidings, drifts, mechanisms and grades would change if the run continued."
         )
     if context.missed:
         largest = f"; the largest error is {number(summary.solver.error_max)}" if summary.solver.has("error_max") else ""

@@ -15,7 +15,7 @@ from reports.drawing.plots import MARKERS, logarithmic, sheet
 SIZE = (8.2, 4.2)
 
 
-def hazard_picture(hazard: Mapping[str, Any], marks: Sequence[tuple[str, float, float]], path: Path, title: str) -> Path:
+def draw_hazard(hazard: Mapping[str, Any], marks: Sequence[tuple[str, float, float]], path: Path, title: str) -> Path:
     """Draw return periods over accelerations with marked points into a PNG, SVG or PDF; return its path.
 
     Args:

@@ -21,7 +21,7 @@ from masonry_cd.foundation.json_files import write_json
 from masonry_cd.foundation.quantities import per_cent
 from reports.page.document import Badge, Head, pictures, rows_of, write_document
 from reports.page.words import number
-from reports.risk.picture import hazard_picture
+from reports.risk.picture import draw_hazard
 
 LIMIT, STUDY = "limit.json", "summary.json"
 PAGE, FACTS, PICTURE = files_of("risk")
@@ -29,7 +29,7 @@ OF_THE_SITE = ("hazard", "code", "limit_state")  # of two analyses on one sheet 
 SHOWN = 6  # mechanisms of each analysis
 PARTS = ("hazard", "acceleration that is just borne", "risk class")  # of a check, whose formulas the sheet has
 COLOURS_OF_STATES = {"satisfied": "good", "NOT satisfied": "doubtful"}
-CAPTION = "The hazard of the site on rock: return period over peak acceleration, with what the limit state asks for and what is borne."
+CAPTION = "The hazard of the site on rock: return period over peak acceleration, with the demand of the limit state and the capacity."
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class RiskSheet:
 
 
 FORMULAS = {  # of the rows of the sheet, in their order
-    "load factor that decides": "α0 of the mechanism with the least verdict",
+    "load factor that decides": "α0 of the mechanism with the least ratio",
     "required, PGA_D": "a_g of the hazard at T_R = -V_R / ln(1 - P_VR)",
     "borne, PGA_C": "the a_g at which capacity = demand",
     "ζ_E": "PGA_C / PGA_D",
@@ -74,7 +74,7 @@ FORMULAS = {  # of the rows of the sheet, in their order
     "IS-V": "PGA_C / PGA_D at SLV",
     "PAM": "area below the points of 1 / T_C and cost, SLID to SLR",
     "class": "the worse of IS-V's and PAM's",
-    "verdict": "borne ≥ required, of all mechanisms found",
+    "verdict": "capacity ≥ demand, for all mechanisms found",
 }
 
 
@@ -90,7 +90,7 @@ def read_sheet(before: Path, after: Path | None = None, study: Path | None = Non
     if second is not None:
         for key in OF_THE_SITE:
             if _of_site(first, key) != _of_site(second, key):
-                raise InputError("--after", f"{after} has another {key.replace('_', ' ')} than {before}; one sheet is of one site")
+                raise InputError("--after", f"{after} and {before} differ in {key.replace('_', ' ')}; a sheet describes one site")
     return RiskSheet(first, second, None if study is None else _study(study, first))
 
 
@@ -101,7 +101,7 @@ def write_sheet(sheet: RiskSheet, folder: Path) -> list[Path]:
         InputError: matplotlib is not installed, or a folder that cannot be written.
     """
     own_files.begin(folder, files_of("risk"))
-    picture = hazard_picture(sheet.before["hazard"], _marks(sheet), folder / PICTURE, sheet.before["title"])
+    picture = draw_hazard(sheet.before["hazard"], _marks(sheet), folder / PICTURE, sheet.before["title"])
     write_json(folder / FACTS, sheet.numbers())
     before, check = sheet.before, sheet.before["check"]
     last = sheet.columns[-1][1]
@@ -129,7 +129,7 @@ def _analysis(folder: Path, where: str) -> Mapping[str, Any]:
         raise InputError(where, f"{folder} has no {LIMIT}; masonry-cd limit SCENE -o {folder} writes it")
     found: Mapping[str, Any] = _read(path, where)
     if not found.get("check"):
-        raise InputError(where, f"{path} has no check by a code; its scene needs [limit.check]")
+        raise InputError(where, f"{path} has no code check; its scene needs [limit.check]")
     if not found.get("hazard") or not found["check"].get("risk"):
         raise InputError(where, f"{path} has no hazard with rows of a_g and a class of risk; its scene needs [hazard] and an Italian code")
     return found
@@ -145,7 +145,7 @@ def _study(folder: Path, first: Mapping[str, Any]) -> Mapping[str, Any]:
         raise InputError("--study", f"{path} has no frequencies; its scene needs [hazard] of the study's measure, and a fit")
     for key in ("measure", "intensity", "frequency"):
         if found["hazard"][key] != first["hazard"][key]:
-            raise InputError("--study", f"{path} is over another hazard, its {key} differs; one sheet is of one site")
+            raise InputError("--study", f"{path} is for another hazard (its {key} differs); a sheet describes one site")
     return found
 
 

@@ -135,9 +135,11 @@ def draw_joint_maps(study: StudyResults) -> tuple[list[Path], list[str], list[st
         return [], [], []
     written = found.draw(found.maps().values())
     out_of, lacking = int(study.done.sum()), int(study.done.sum()) - len(found.runs.rows) - found.runs.left_out
-    warnings = [f"{found.runs.left_out} runs are left out, whose joints are not those of the first run"] * bool(found.runs.left_out)
-    warnings += [f"{lacking} of {out_of} runs have no file in joints, or are more than can be held"] * bool(lacking)
-    warnings = [f"maps of the joints: {words}" for words in warnings]
+    warnings = [f"{found.runs.left_out} runs are left out because their joints differ from those of the first run"] * bool(
+        found.runs.left_out
+    )
+    warnings += [f"{lacking} of {out_of} runs have no file in the folder joints, or exceed the memory limit"] * bool(lacking)
+    warnings = [f"joint maps: {words}" for words in warnings]
     rows = ((j, *cells) for j, cells in enumerate(zip(*found.table.values(), strict=True)))
     write_csv(study.folder / TABLE, ("joint", *found.table), rows, digits=6)
     return [*written, study.folder / TABLE], _lines(found.runs, found.thresholds, found.pairs), warnings

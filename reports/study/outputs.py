@@ -28,7 +28,7 @@ from masonry_cd.foundation.quantities import counted
 from reports.drawing.render import NoContext
 from reports.page.document import Badge, Head, pictures, rows_of_many, script_of, write_document
 from reports.study.joint_maps import draw_joint_maps
-from reports.study.pictures import METHODS, cloud_picture, fragility_picture, ida_picture, spread_picture, stripes_picture, tornado_picture
+from reports.study.pictures import METHODS, draw_cloud, draw_fragilities, draw_ida, draw_spread, draw_stripes, draw_tornado
 from reports.study.tables import COLUMNS_OF_FITS, DIGITS, entry_of, row_of, write_openquake, write_vulnerability
 
 PAGE = "study.html"
@@ -36,18 +36,18 @@ ROWS = 3000  # of the table of runs; all are in runs.csv
 PRINTED = 40
 RESULTS = tuple(numbers_in(STUDY_PAGE))
 CAPTIONS = {
-    "fragility.png": "The probability that a limit state is exceeded, given the intensity. Points are what was counted, lines what was "
-    "fitted; inside its band a line could as well lie with other records of the same kind. Where a curve leaves the points, trust those.",
-    "ida.png": "A pale line per record, from weak to strong; where it turns flat, blocks fall. Half of the records open less than the "
-    "median says.",
-    "cloud.png": "A point per run as it was recorded. The line is the regression; runs in which blocks fell are known from below only.",
-    "stripes.png": "All runs of a level above one another. Where the median, the thick bar, crosses a dashed line, half of the runs exceed "
+    "fragility.png": "The probability that a limit state is exceeded, given the intensity. Points are counted shares, lines are fits; with "
+    "other records of the same kind a line could lie anywhere in its band. Where a curve and its points disagree, trust the points.",
+    "ida.png": "One pale line per record, from weak to strong; where it turns flat, blocks fall. The median is exceeded by half of the "
+    "records.",
+    "cloud.png": "One point per recorded run. The line is the regression; runs in which blocks fell give a lower bound only.",
+    "stripes.png": "The runs of each level, one above another. Where the median (thick bar) crosses a dashed line, half of the runs exceed "
     "that limit state.",
-    "spread.png": "How far the runs differ. The steeper the line, the more one run says about all of them.",
-    "tornado.png": "What goes with the damage: far right, more of it means more damage; far left, less. A whisker across zero shows "
-    "nothing. The diamond is what is left once the intensity has been taken out: look there for the share of the material.",
-    "probability_opened.png": "How often each joint opened over all runs. Runs at chosen intensities are no sample of earthquakes: "
-    "compare joints with one another, and read probabilities level by level.",
+    "spread.png": "The spread of the results over the runs. The steeper the line, the better one run represents all of them.",
+    "tornado.png": "Correlation with the damage: far right, a larger value means more damage; far left, less. A whisker that crosses zero "
+    "shows no effect. The diamond is the correlation once the effect of the intensity is removed; it shows that of the material.",
+    "probability_opened.png": "How often each joint opened over all runs. Runs at chosen intensities are not a sample of earthquakes: "
+    "compare joints with each other, and read probabilities level by level.",
     "probability_slid.png": "How often each joint slid.",
     "probability_lost.png": "How often each joint came apart for good.",
     "median_opening.png": "The largest opening that half of the runs exceed.",
@@ -119,22 +119,22 @@ class StudyDiagram(NamedTuple):
     draw: Callable[[Findings, Path], None]
 
 
-def _fitted(found: Findings) -> bool:
+def _has_fit(found: Findings) -> bool:
     return any(fit.runs for fit in found.fits)
 
 
-def _in_stripes(found: Findings) -> bool:
+def _is_in_stripes(found: Findings) -> bool:
     levels = found.study.numbers("level")[found.study.done]
     return found.study.asked.design != "ida" and len(np.unique(levels[np.isfinite(levels)])) > 1 and bool(found.quantities)
 
 
 DIAGRAMS = {
-    "fragility.png": StudyDiagram(_fitted, fragility_picture),
-    "ida.png": StudyDiagram(lambda found: bool(found.all_fits.curves and found.quantities), ida_picture),
-    "cloud.png": StudyDiagram(lambda found: bool(found.all_fits.clouds), cloud_picture),
-    "stripes.png": StudyDiagram(_in_stripes, stripes_picture),
-    "spread.png": StudyDiagram(lambda found: not _fitted(found) and not _in_stripes(found) and bool(found.quantities), spread_picture),
-    "tornado.png": StudyDiagram(lambda found: bool(found.correlations), tornado_picture),
+    "fragility.png": StudyDiagram(_has_fit, draw_fragilities),
+    "ida.png": StudyDiagram(lambda found: bool(found.all_fits.curves and found.quantities), draw_ida),
+    "cloud.png": StudyDiagram(lambda found: bool(found.all_fits.clouds), draw_cloud),
+    "stripes.png": StudyDiagram(_is_in_stripes, draw_stripes),
+    "spread.png": StudyDiagram(lambda found: not _has_fit(found) and not _is_in_stripes(found) and bool(found.quantities), draw_spread),
+    "tornado.png": StudyDiagram(lambda found: bool(found.correlations), draw_tornado),
 }
 
 
@@ -171,7 +171,7 @@ def write_page(found: Findings, made: StudyReport) -> None:
     varied = [counted(len(study.motions), "record")] if study.motions else []
     varied += [f"{asked.measure} at {counted(len(asked.levels), 'level')}"] if asked.measure and asked.levels else []
     block = rows_of_many(asked.scene, asked.program, ", ".join([*varied, *study.varied]) or "nothing but chance")
-    notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
+    notes = dict.fromkeys(fit.betas.note for fit in fits if fit.is_fitted and fit.betas.note)
     numbers = [
         ("runs done", found.counts["done"], ""),
         ("records", len(study.motions), ""),
@@ -218,7 +218,7 @@ def _fit(fit: Fit) -> list[str]:
         fit.limit.name,
         fit.limit.in_words(),
         METHODS[fit.method],
-        f"{_number(fit.theta)} {unit(fit.measure)}" if fit.fitted else "no fit",
+        f"{_number(fit.theta)} {unit(fit.measure)}" if fit.is_fitted else "no fit",
         _range(fit.theta_band),
         _number(fit.beta, 2),
         _range(fit.beta_band, 2),
@@ -277,7 +277,7 @@ def _cell(study: StudyResults, name: str, row: int) -> str | Badge:
 
 
 def _number(value: float | None, digits: int | None = None) -> str:
-    """Three digits, or so many after the point; empty where there is none."""
+    """Three digits, or the given number of decimals; empty where there is none."""
     if value is None or not math.isfinite(value):
         return "" if value is None or math.isnan(value) else "∞"
     return f"{value:.3g}" if digits is None else f"{value:.{digits}f}"

@@ -18,8 +18,8 @@ from masonry_cd.analysis.fragility.ida import QUANTILES, IdaCurve, demand_quanti
 from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.analysis.fragility.measures import label, with_unit
 from masonry_cd.analysis.fragility.sensitivity import RankCorrelation
-from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.drawing.plots import MARKERS, PALE, colour, halo, legend, limit_line, logarithmic, sheet
+from reports.drawing.figure import FAINT, INK, format_axes, save
+from reports.drawing.plots import MARKERS, PALE, add_legend, colour, draw_limit_line, halo, logarithmic, sheet
 
 METHODS = {
     "mle": "maximum likelihood on counts per level",
@@ -29,7 +29,7 @@ METHODS = {
 }
 BEYOND = {"mle": (0, (6, 2)), "ida": (0, (6, 2)), "cloud": (0, (6, 2)), "probit": (0, (2, 2))}  # strokes of further methods
 POINTS = {"mle": "points: share of the runs of a level", "ida": "steps: capacities of the records"}
-EIGHTHS = "points: share of the runs in eighths of them, by intensity"
+EIGHTHS = "points: share of the runs in eight groups by intensity"
 GRID = 240
 BINS = 8  # of runs whose intensities are their own
 BARS = 14  # per panel at most
@@ -39,32 +39,32 @@ KINDS = {"varied": "what varied", "intensity": "intensity measure"}
 LABELLED = 2  # limit states whose points have their counts written to them
 
 
-def fragility_picture(found: Findings, path: Path) -> None:
+def draw_fragilities(found: Findings, path: Path) -> None:
     """Draw the fragilities of all limit states over one measure."""
     fits, title = [fit for fit in found.fits if fit.runs], f"{found.study.asked.title}: fragility"
     limits = list(dict.fromkeys(fit.limit for fit in fits))
     points = next((words for method, words in POINTS.items() if method in {fit.method for fit in fits}), EIGHTHS)
-    tall = 5.4 + 0.23 * sum(fit.fitted for fit in fits)
+    tall = 5.4 + 0.23 * sum(fit.is_fitted for fit in fits)
     figure, (axes,) = sheet(title, f"{points}; bands: 95 %, bootstrap over records", size=(8.4, tall))
     top = 1.06 * max(float(fit.intensity.max(initial=0.0)) for fit in fits)
     grid = np.linspace(0.0, top, GRID + 1)[1:]
     for k, limit in enumerate(limits):
         own = sorted((fit for fit in fits if fit.limit == limit), key=lambda fit: ORDER.index(fit.method))
-        _points(axes, own[0], k, counts=len(limits) <= LABELLED)
-        drawn = [fit for fit in own if fit.fitted]
+        _draw_points(axes, own[0], k, counts=len(limits) <= LABELLED)
+        drawn = [fit for fit in own if fit.is_fitted]
         for place, fit in enumerate(drawn):
-            _curve(axes, fit, k, grid, main=place == 0)
+            _draw_curve(axes, fit, k, grid, main=place == 0)
         if not drawn:
             axes.plot([], [], MARKERS[k % len(MARKERS)], color=colour(k), markerfacecolor="white", label=f"{limit.name}: no fit")
     axes.set_xlim(0.0, top)
     axes.set_ylim(-0.02, 1.04)
     axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
-    plain_axes(axes, "probability that a limit state is exceeded", label(fits[0].measure))
-    legend(axes)
+    format_axes(axes, "probability that a limit state is exceeded", label(fits[0].measure))
+    add_legend(axes)
     save(figure, path)
 
 
-def _curve(axes: Any, fit: Fit, k: int, grid: np.ndarray, main: bool) -> None:
+def _draw_curve(axes: Any, fit: Fit, k: int, grid: np.ndarray, main: bool) -> None:
     """A fitted curve; the first method of a limit state with its band."""
     words = f"{fit.limit.name}: median {with_unit(fit.theta, fit.measure)}, beta {fit.beta:.2f}, {METHODS[fit.method]}"
     if main:
@@ -76,7 +76,7 @@ def _curve(axes: Any, fit: Fit, k: int, grid: np.ndarray, main: bool) -> None:
     )
 
 
-def _points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
+def _draw_points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
     """Draw the points to which the curve was fitted."""
     if not fit.runs:
         return
@@ -105,7 +105,7 @@ def _points(axes: Any, fit: Fit, k: int, counts: bool) -> None:
 
 def _limits(study: StudyResults, column: str) -> list[tuple[int, LimitState]]:
     """The limit states of a quantity, with their place among all."""
-    return [(k, limit) for k, limit in enumerate(study.limit_states) if limit.column == column and limit.continuous]
+    return [(k, limit) for k, limit in enumerate(study.limit_states) if limit.column == column and limit.is_continuous]
 
 
 def _largest_shown(study: StudyResults, column: str, values: np.ndarray) -> float:
@@ -116,7 +116,7 @@ def _largest_shown(study: StudyResults, column: str, values: np.ndarray) -> floa
     return 1.1 * shown or 1.0
 
 
-def ida_picture(found: Findings, path: Path) -> None:
+def draw_ida(found: Findings, path: Path) -> None:
     """Draw the curves of the records, intensity upwards, and their 16, 50 and 84 % quantiles."""
     study, curves, columns, measure = found.study, found.all_fits.curves, found.quantities, str(found.study.asked.measure)
     facts = f"{len(curves)} curves; a bar at the end: blocks fell in the next run"
@@ -126,7 +126,7 @@ def ida_picture(found: Findings, path: Path) -> None:
         values = study.numbers(column)
         most = factor * _largest_shown(study, column, values)
         for curve in curves:
-            _ida_curve(axes, curve, factor * values, study.collapsed, most)
+            _draw_ida_curve(axes, curve, factor * values, study.collapsed, most)
         grid, demand = demand_quantiles(curves, values, study.collapsed)
         for k, (share, line) in enumerate(zip(QUANTILES, demand, strict=True)):
             there = np.isfinite(line)
@@ -137,15 +137,15 @@ def ida_picture(found: Findings, path: Path) -> None:
             name = "median" if share == 0.5 else f"{100 * share:.0f} % quantile of the demand"
             axes.plot(x, y, color=INK, linewidth=2.2, linestyle=stroke, label=name, zorder=4)
         for k, limit in _limits(study, column):
-            limit_line(axes, limit, k, factor, across=False)
+            draw_limit_line(axes, limit, k, factor, across=False)
         axes.set_xlim(0.0, most)
         axes.set_ylim(0.0, 1.05 * max(float(curve.intensity[-1]) for curve in curves))
-        plain_axes(axes, label(measure), words)
-    legend(panels[0], 3)
+        format_axes(axes, label(measure), words)
+    add_legend(panels[0], 3)
     save(figure, path)
 
 
-def _ida_curve(axes: Any, curve: IdaCurve, values: np.ndarray, collapsed: np.ndarray, most: float) -> None:
+def _draw_ida_curve(axes: Any, curve: IdaCurve, values: np.ndarray, collapsed: np.ndarray, most: float) -> None:
     """One record, up to its collapse."""
     y, x, at = curve.demands(values, collapsed)
     axes.plot(x, y, color=PALE, linewidth=0.9, zorder=2)
@@ -155,7 +155,7 @@ def _ida_curve(axes: Any, curve: IdaCurve, values: np.ndarray, collapsed: np.nda
         axes.plot(min(x[-1], most), at, "|", color="#8b9299", markersize=7, zorder=3)
 
 
-def cloud_picture(found: Findings, path: Path) -> None:
+def draw_cloud(found: Findings, path: Path) -> None:
     """Draw the runs in logarithms, their regression with its scatter and band, and what is known from one side only."""
     study, shown = found.study, found.all_fits.clouds[:PANELS]
     facts = "line: regression, pale: its scatter of one standard deviation, darker: 95 % band by the bootstrap over records"
@@ -166,8 +166,8 @@ def cloud_picture(found: Findings, path: Path) -> None:
         y = factor * np.exp(cloud.demand)
         kinds = (
             (cloud.exact, "o", f"standing ({int(cloud.exact.sum())})", "#56b4e9"),
-            (cloud.above, "^", f"blocks fell, known from below ({int(cloud.above.sum())})", "#d55e00"),
-            (cloud.below, "v", f"next to nothing, known from above ({int(cloud.below.sum())})", "#999999"),
+            (cloud.above, "^", f"blocks fell: lower bound ({int(cloud.above.sum())})", "#d55e00"),
+            (cloud.below, "v", f"almost no damage: upper bound ({int(cloud.below.sum())})", "#999999"),
         )
         for rows, marker, name, hue in kinds:
             if rows.any():
@@ -187,15 +187,15 @@ def cloud_picture(found: Findings, path: Path) -> None:
         axes.set_xscale("log")
         axes.set_yscale("log")
         for k, limit in _limits(study, fit.column):
-            limit_line(axes, limit, k, factor, across=True)
+            draw_limit_line(axes, limit, k, factor, across=True)
         for axis in (axes.xaxis, axes.yaxis):
             logarithmic(axis)
-        plain_axes(axes, words, label(fit.measure))
-        legend(axes)
+        format_axes(axes, words, label(fit.measure))
+        add_legend(axes)
     save(figure, path)
 
 
-def stripes_picture(found: Findings, path: Path) -> None:
+def draw_stripes(found: Findings, path: Path) -> None:
     """Draw each run at its level, the median and the 16 to 84 % of each stripe, and how many collapsed."""
     study, columns, level = found.study, found.quantities, found.study.numbers("level")
     rows = study.done & np.isfinite(level)
@@ -215,7 +215,7 @@ def stripes_picture(found: Findings, path: Path) -> None:
             everything = np.where(study.collapsed[stripe], np.inf, values[stripe])
             everything = np.maximum(everything[~np.isnan(everything)], least)
             if len(everything):
-                _bars(axes, one, 0.3 * near, [factor * value for value in quantiles(everything, QUANTILES)])
+                _draw_bars(axes, one, 0.3 * near, [factor * value for value in quantiles(everything, QUANTILES)])
             fell = int(study.collapsed[stripe].sum())
             if fell:
                 axes.annotate(
@@ -224,14 +224,14 @@ def stripes_picture(found: Findings, path: Path) -> None:
                 )  # fmt: skip
         axes.set_yscale("log")
         for k, limit in _limits(study, column):
-            limit_line(axes, limit, k, factor, across=True)
+            draw_limit_line(axes, limit, k, factor, across=True)
         logarithmic(axes.yaxis)
         axes.set_xlim(max(0.0, levels[0] - near), levels[-1] + near)
-        plain_axes(axes, words, label(str(study.asked.measure)) if study.asked.measure else "level")
+        format_axes(axes, words, label(str(study.asked.measure)) if study.asked.measure else "level")
     save(figure, path)
 
 
-def _bars(axes: Any, at: float, half: float, three: Sequence[float]) -> None:
+def _draw_bars(axes: Any, at: float, half: float, three: Sequence[float]) -> None:
     """The quantiles of a stripe; those that are infinite are left out."""
     for value, width in zip(three, (1.2, 2.4, 1.2), strict=True):
         if np.isfinite(value):
@@ -240,7 +240,7 @@ def _bars(axes: Any, at: float, half: float, three: Sequence[float]) -> None:
         axes.plot([at, at], [three[0], three[2]], color=INK, linewidth=0.9, zorder=3.5)
 
 
-def spread_picture(found: Findings, path: Path) -> None:
+def draw_spread(found: Findings, path: Path) -> None:
     """Draw how each quantity is distributed over the runs: their share up to a value, the median and the quartiles."""
     study, columns = found.study, found.quantities
     figure, panels = sheet(f"{study.asked.title}: spread over the runs", "share of the runs up to a value; marks: quartiles", len(columns))
@@ -256,30 +256,30 @@ def spread_picture(found: Findings, path: Path) -> None:
             axes.annotate(f"{value:.3g}", (value, height), (9, -4), textcoords="offset points", fontsize=9.5, color=INK)
         for place, limit in _limits(study, column):
             if factor * limit.bound < own[-1] + 3.0 * max(float(np.ptp(own)), 0.1 * abs(own[-1])):
-                limit_line(axes, limit, place, factor, across=False)
+                draw_limit_line(axes, limit, place, factor, across=False)
         axes.yaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f} %")
         axes.margins(x=0.12)
-        plain_axes(axes, "runs" if axes is panels[0] else "", words)
+        format_axes(axes, "runs" if axes is panels[0] else "", words)
         axes.text(0.99, 0.03, f"{len(own)} runs", transform=axes.transAxes, fontsize=9.5, color=FAINT, ha="right")
     save(figure, path)
 
 
-def tornado_picture(found: Findings, path: Path) -> None:
+def draw_tornado(found: Findings, path: Path) -> None:
     """Draw the rank correlations, a panel per quantity, the strongest on top."""
     rows, title = found.correlations, found.study.asked.title
     columns = list(dict.fromkeys(row.quantity for row in rows))[:PANELS]
     groups = [[row for row in rows if row.quantity == column][:BARS] for column in columns]
     tall = 2.3 + 0.34 * max(len(group) for group in groups)
-    facts = "Spearman's rank correlation; whiskers: 95 %, bootstrap over records; diamond: the study's measure taken out"
+    facts = "Spearman's rank correlation; whiskers: 95 %, bootstrap over records; diamond: effect of the study's measure removed"
     figure, panels = sheet(f"{title}: what matters", facts, len(columns), (max(8.4, 1.4 + 4.9 * len(columns)), tall))
     for axes, column, group in zip(panels, columns, groups, strict=True):
-        plain_axes(axes, "", f"rank correlation with {quantity(column)[0].split(' [')[0]}")
-        _correlations(axes, group)
-    legend(panels[0], 3, bbox_to_anchor=(0.0, -0.55 / (tall - 1.7)))
+        format_axes(axes, "", f"rank correlation with {quantity(column)[0].split(' [')[0]}")
+        _draw_correlations(axes, group)
+    add_legend(panels[0], 3, bbox_to_anchor=(0.0, -0.55 / (tall - 1.7)))
     save(figure, path)
 
 
-def _correlations(axes: Any, group: Sequence[RankCorrelation]) -> None:
+def _draw_correlations(axes: Any, group: Sequence[RankCorrelation]) -> None:
     """A panel."""
     named = set()
     for k, row in enumerate(group):

@@ -48,7 +48,7 @@ def entry_of(fit: Fit) -> dict[str, Any]:
         more["capacity_quantiles"] = dict(zip(names, fit.quantiles, strict=True))
         more["capacities"] = {"never_exceeded": int(fit.found.above.sum()), "always_exceeded": int(fit.found.below.sum())}
     imt = openquake(fit.measure)
-    if fit.fitted and imt is not None:
+    if fit.is_fitted and imt is not None:
         mean, stddev = mean_and_stddev(fit.theta * imt.factor, fit.beta)
         more["nrml"] = {"imt": imt.name, "unit": imt.unit, "mean": mean, "stddev": stddev}
     return row_of(fit) | more
@@ -67,7 +67,7 @@ def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
         return []
     imt = openquake(chosen[0].measure)
     if imt is None:
-        return [f"fragility.xml: what OpenQuake calls {chosen[0].measure} is not known: not written"]
+        return [f"fragility.xml is not written: OpenQuake has no known name for {chosen[0].measure}"]
     root, model, name = _model("fragilityModel", title, imt)
     names = [re.sub(r"\W+", "_", fit.limit.name) for fit in chosen]
     Xml.SubElement(model, f"{{{SPACE}}}limitStates").text = " ".join(names)
@@ -91,13 +91,13 @@ def write_vulnerability(path: Path, title: str, fits: Sequence[Fit], ratios: Map
     if not ratios or imt is None:
         return []
     if lost := [name for name in ratios if name not in {fit.limit.name for fit in chosen}]:
-        return [f"vulnerability.xml: there is no fit of {', '.join(lost)}: not written"]
+        return [f"vulnerability.xml is not written: there is no fit of {', '.join(lost)}"]
     low, high = (float(end([end(fit.intensity) for fit in chosen])) for end in (np.min, np.max))
     levels = np.geomspace(low, high, LEVELS)
     over = np.vstack([np.ones(LEVELS), *(fit.curve.probability(levels)[0] for fit in chosen), np.zeros(LEVELS)])
     shares = -np.diff(np.minimum.accumulate(over, axis=0), axis=0)  # tails of two lognormals cross somewhere
     if (np.diff(over, axis=0) > CROSSED).any():
-        return ["vulnerability.xml: the fragilities cross, so that a graver limit state is reached more often: not written"]
+        return ["vulnerability.xml is not written: the fragilities cross, so a more severe limit state would be reached more often"]
     root, model, name = _model("vulnerabilityModel", title, imt)
     function = Xml.SubElement(model, f"{{{SPACE}}}vulnerabilityFunction", id=name, dist="PM")
     Xml.SubElement(function, f"{{{SPACE}}}imls", imt=imt.name).text = " ".join(f"{imt.factor * level:.6g}" for level in levels)

@@ -117,7 +117,7 @@ def _head(support: BridgeSupport, top: list[tuple[float, float]], low: float) ->
     return [convex_parts(stone) for stone in (*stones, left)]
 
 
-def steep(line: np.ndarray) -> bool:
+def is_steep(line: np.ndarray) -> bool:
     """Return True if an extrados (n, 2) rises by more than 45 degrees where it begins, from its springing on."""
     across, up = np.abs(line[1] - line[0])
     return bool(up > across)
@@ -132,7 +132,9 @@ def top_of(support: BridgeSupport, walls: bool) -> list[tuple[float, float]]:
     middle, level = support.split, 0.5 * float(first[1] + last[1])
     if support.before is None or support.after is None:
         return [tuple(first.tolist()), tuple(last.tolist())]
-    one, other = (support.rise is not None or (walls and steep(line)) for line in (support.before.extrados[::-1], support.after.extrados))
+    one, other = (
+        support.rise is not None or (walls and is_steep(line)) for line in (support.before.extrados[::-1], support.after.extrados)
+    )
     left = float(first[1]) if one else float(last[1]) if other else level
     right = float(last[1]) if other else float(first[1]) if one else level
     line = [tuple(first.tolist()), (middle, left), (middle, right), tuple(last.tolist())]
@@ -142,7 +144,7 @@ def top_of(support: BridgeSupport, walls: bool) -> list[tuple[float, float]]:
 def convex_parts(outline: np.ndarray) -> list[np.ndarray]:
     """Convex polygons (n, 2) that fill one, counter-clockwise."""
     whole = _without_middles(outline)
-    if _convex(whole):
+    if _is_convex(whole):
         return [whole]
     from shapely.geometry import Polygon
 
@@ -162,7 +164,7 @@ def _turns(polygon: np.ndarray) -> np.ndarray:
     return np.asarray(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
 
 
-def _convex(polygon: np.ndarray) -> bool:
+def _is_convex(polygon: np.ndarray) -> bool:
     return bool((_turns(polygon) > 0.0).all())
 
 
@@ -200,8 +202,8 @@ def _feet(layout: BridgeLayout, density: float) -> list[Block]:
 
 def _reach(layout: BridgeLayout, span: int, face: float) -> float:
     """How far a foot reaches under a span: to its middle, or to a fixed support on its far side."""
-    beside = layout.supports[span : span + 2]
-    far = next((s for s in beside if s.keys.rigid), None)
+    adjacent = layout.supports[span : span + 2]
+    far = next((s for s in adjacent if s.keys.rigid), None)
     if far is None:
         return layout.profiles[span].axis
     return far.right if far.right < face else far.left

@@ -27,7 +27,7 @@ class SpanTable(Table):
     thickness: Thickness
     """of the arch at the crown"""
     thickness_springing: Length | None = None
-    """at the springings, between which it grows evenly; by default the same"""
+    """thickness at the springings, from which it varies linearly; by default the same"""
     rings: int = Field(1, ge=1, le=20)
     """of equal thickness, with joints between them that may slide"""
     voussoirs: int | None = Field(None, ge=3, le=400)
@@ -44,11 +44,11 @@ class BridgeSupportTable(Table):
     width: Length = 1.2
     """along the road"""
     height: WallHeight = 3.0
-    """below the lower of its springings"""
+    """height below the lower of its springings"""
     rigid: bool = False
     """one fixed block; else courses of blocks on a fixed foot"""
     course_height: WallHeight = 0.5
-    """of its blocks, about"""
+    """approximate height of the courses of its blocks"""
 
 
 class AbutmentTable(BridgeSupportTable):
@@ -71,9 +71,9 @@ class SpandrelTable(Table):
     unit_length: Length = 0.6
     """of their blocks, about"""
     wing_length: Length | None = None
-    """of wing walls behind the abutments, parallel to the road; by default there are none"""
+    """length of wing walls behind the abutments, parallel to the road; none by default"""
     parapet_height: WallHeight | None = None
-    """above the road; by default there are none"""
+    """height above the road; none by default"""
     parapet_thickness: Thickness | None = None
     """by default that of the walls"""
 
@@ -84,7 +84,7 @@ class BackingTable(Table):
     height: WallHeight
     """above the lower springing of each pier and abutment, below the crowns next to it"""
     density: Density | None = None
-    """that of the material when not given; its strength is that of its joints, material.joints"""
+    """density; that of the material when not given. Its strength is that of its joints, material.joints"""
 
 
 class FillTable(Table):
@@ -96,12 +96,12 @@ class FillTable(Table):
     spread: Literal["2:1", "boussinesq"] = "boussinesq"
     """of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"""
     pressure: Literal["at_rest", "active", "none"] = "at_rest"
-    """on spandrel walls, wing walls and the backs of abutments of blocks before they move: K_0 = 1 - sin phi, or Rankine's K_a"""
+    """pressure on spandrel walls, wing walls and the backs of abutments of blocks before they move: K_0 = 1 - sin phi, or Rankine's K_a"""
     active_at: float = Field(ACTIVE_AT, ge=1e-4, le=0.1)
-    """in runs: movement of such a face away from the fill, over the depth of its lower edge, at which K_0 has fallen to K_a: of sand 0.001
+    """in runs: movement of such a face away from the fill, over the depth of its lower edge, at which K_0 has fallen to K_a: for sand 0.001
     (dense) to 0.004 (loose)"""
     gone_at: float | None = Field(None, gt=0.0, le=10.0)
-    """in runs: likewise the movement at which nothing presses any more, as the fill has run out; by default 1 / (6 tan phi), at most 1"""
+    """in runs: movement at which the pressure vanishes because the fill has run out; by default 1 / (6 tan phi), at most 1"""
     passive: float = Field(1.0 / 3.0, ge=0.0, le=1.0)
     """share of Rankine's K_p that resists at most where the arch moves into the fill; 0: none"""
     passive_shaken: float = Field(0.3, ge=0.0, le=1.0)

@@ -83,11 +83,11 @@ def _arcade(keys: ArcadeTable, name: str, row: ColumnRow, table: BuildingTable, 
         "height": keys.top - base if keys.top is not None and keys.top > base else highest + table.course_height,
         "openings": openings,
     }
-    beside = [row.places[0], row.places[-1]]
+    outermost = [row.places[0], row.places[-1]]
     responds = [
         {"name": f"{name}_respond{k + 1}", "base": row.keys.base, "height": row.keys.height}
         | {"axis": [end.place.tolist(), (end.place + end.half * (to - end.place) / math.dist(to, end.place)).tolist()]}
-        for k, (end, to) in enumerate(zip(ends, beside, strict=False))
+        for k, (end, to) in enumerate(zip(ends, outermost, strict=False))
     ]
     shared = {"thickness": keys.thickness or size, "group": keys.group or name}
     return [BuildingWallTable.model_validate(one | shared) for one in (wall, *responds)]

@@ -40,7 +40,7 @@ def beds(
     exact = {round(z, DIGITS): z for own in reversed(levels) for z in own}
     counts = [Counter(round(z, DIGITS) for z in own) for own in levels]
     low, high = min(counts[0]), max(counts[0])
-    size.within((high - low) / course, "course_height")
+    size.check_size((high - low) / course, "course_height")
     exact |= {round(z, DIGITS): z for z in shared}
     kept = [low, high, *sorted({z for z in exact if low < z < high} & {round(z, DIGITS) for z in shared})]
     for z in (z for count in counts for z in sorted(count, key=lambda z: (-count[z], z))):

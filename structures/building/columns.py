@@ -58,7 +58,7 @@ def _refuse_many(keys: BuildingColumnTable, table: BuildingTable, key: str) -> N
         stones = _drums(keys, table)
         if stones > MOST_DRUMS:
             raise InputError(f"structure.{key}", f"makes {stones:.4g} drums of a column; at most {MOST_DRUMS} are allowed")
-    size.within((keys.number or 1) * stones, key)
+    size.check_size((keys.number or 1) * stones, key)
 
 
 def _drums(keys: BuildingColumnTable, table: BuildingTable) -> float:

@@ -101,7 +101,7 @@ def prepared(table: BuildingTable, faults: Faults, rows: Sequence[columns.Column
     legs += _legs(more, table.walls, faults)
     table = table.model_copy(update={"walls": (*table.walls, *(keys for some in more.values() for keys in some))})
     with faults.of():
-        size.within(_estimate(legs, table), "block_length")
+        size.check_size(_estimate(legs, table), "block_length")
     faults.refuse()
     plan = _joined(legs, table, faults)
     frames = openings.frames(plan, table, faults)
@@ -118,8 +118,8 @@ def _legs(walls: Mapping[str, Sequence[BuildingWallTable]], before: Sequence[Bui
     for where, keys in ((where, keys) for where, some in walls.items() for keys in some):
         known = len(faults.found)
         with faults.of():
-            size.at_most(len(keys.top or ()), size.MOST_TOP, f"{where}.top: points")
-            size.at_most(len(keys.openings), size.MOST_OPENINGS, f"{where}.openings: openings of one wall")
+            size.check_count(len(keys.top or ()), size.MOST_TOP, f"{where}.top: points")
+            size.check_count(len(keys.openings), size.MOST_OPENINGS, f"{where}.openings: openings of one wall")
         if len(faults.found) > known:
             continue
         with faults.of(where, f"wall {keys.name}"):

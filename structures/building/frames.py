@@ -80,7 +80,7 @@ class Around:
     course: float
     unit: float
     thickness: float
-    beside: float = math.inf  # masonry next to the hole, on the side that has less of it
+    next_to: float = math.inf  # masonry next to the hole, on the side that has less of it
     top: float = math.inf  # z of the lowest part of the top over the hole
 
 
@@ -129,7 +129,7 @@ class Straight:
         if keys.ring is None:
             above = around.top - around.base - keys.sill - height
             new["lintel"] = keys.lintel or _fitted(around.course, above, LEAST_LINTEL * keys.width)
-            new["bearing"] = keys.bearing or _fitted(natural_bearing(keys.width, around.unit), around.beside, LEAST_BEARING)
+            new["bearing"] = keys.bearing or _fitted(natural_bearing(keys.width, around.unit), around.next_to, LEAST_BEARING)
         return keys.model_copy(update=new)
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
@@ -164,7 +164,7 @@ class Arched:
         height = keys.height or max(2.0 * keys.width, rise)
         if height < rise * (1.0 - 1e-9):
             raise InputError("", f"its height must be at least the rise of its head, {rise:.4g} m, got {height:g}")
-        return keys.model_copy(update={"rise": rise, "height": height, "ring": _ring(keys, height, around, around.beside)})
+        return keys.model_copy(update={"rise": rise, "height": height, "ring": _ring(keys, height, around, around.next_to)})
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
         """The hole (n, 2), jambs and intrados, and the voussoirs around its head."""
@@ -197,7 +197,7 @@ class Rose:
         """The keys with defaults for what they leave out."""
         if keys.height is not None and abs(keys.height - keys.width) > 1e-9:
             raise InputError("", f"a rose is as high as wide, {keys.width:g} m, got {keys.height:g}")
-        ring = _ring(keys, keys.width, around, min(around.beside, keys.sill))
+        ring = _ring(keys, keys.width, around, min(around.next_to, keys.sill))
         return keys.model_copy(update={"height": keys.width, "ring": ring})
 
     def drawn(self, keys: WallOpeningTable, course: float) -> Drawn:
@@ -219,10 +219,10 @@ SHAPES: dict[str, Straight | Arched | Rose] = {
 }
 
 
-def _ring(keys: WallOpeningTable, height: float, around: Around, beside: float) -> float:
+def _ring(keys: WallOpeningTable, height: float, around: Around, next_to: float) -> float:
     """Thickness of the voussoirs of an arch in the masonry over and next to it [m]."""
     above = around.top - around.base - keys.sill - height
-    return keys.ring or _fitted(natural_ring(keys.width, around.course), min(beside, above), LEAST_RING * keys.width)
+    return keys.ring or _fitted(natural_ring(keys.width, around.course), min(next_to, above), LEAST_RING * keys.width)
 
 
 def _fitted(natural: float, space: float, least: float) -> float:

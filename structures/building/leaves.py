@@ -40,7 +40,7 @@ def stones(plan: BuildingPlan, number: int, laying: Laying, frames: Sequence[Fra
         for course, row in groupby(pieces, key=lambda piece: piece.course):
             for i, piece in enumerate(row):
                 through = leaves.ties(course - foot) and i % leaves.through == 0
-                through = through or (leaves.core and _at_end(piece, leg))
+                through = through or (leaves.core and _is_at_end(piece, leg))
                 if k and (through or (k == 1 and leaves.hollow)):
                     continue
                 parts = _parts(piece, leg, (leaves.bounds[0], leaves.bounds[-1]) if through else reach)
@@ -48,7 +48,7 @@ def stones(plan: BuildingPlan, number: int, laying: Laying, frames: Sequence[Fra
                 yield Stone(number, course, parts, 0.0, label, CORE if leaves.core and k == 1 else "")
 
 
-def _at_end(piece: FacetStone, leg: Leg) -> bool:
+def _is_at_end(piece: FacetStone, leg: Leg) -> bool:
     """Return True if a stone reaches an end of its leg."""
     left, _, right, _ = piece.shape.bounds
     return left < SAME or right > leg.facets[0].length - SAME

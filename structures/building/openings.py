@@ -31,7 +31,7 @@ Frames = dict[tuple[int, int], list[Frame]]
 def frames(
     plan: BuildingPlan, table: BuildingTable, faults: Faults, places: Mapping[tuple[int, int], str] = MappingProxyType({})
 ) -> Frames:
-    """The frames of all openings by leg and facet; one beyond its wall is a fault. Keys of presets go by wall and opening."""
+    """The frames of all openings by leg and facet; one beyond its wall is a fault. Presets are keyed by wall and opening."""
     legs = plan.legs
     found: Frames = {}
     for number, wall in enumerate(table.walls):

@@ -25,7 +25,7 @@ from structures.building.footprints import BuildingPlan
 from structures.building.frames import Frame
 from structures.building.junctions import Arm
 from structures.building.table import Bond
-from structures.building.widths import ASIDE, narrower
+from structures.building.widths import ASIDE, is_narrower
 from structures.courser import bond
 from structures.geometry import polygons
 
@@ -272,20 +272,22 @@ def _without_slivers(pieces: Sequence[FacetStone], laying: Laying) -> list[Facet
             piece = slivers.pop(0)
             if piece not in own:
                 continue
-            beside = [p for p in own if p is not piece and p.area is piece.area]
+            adjacent = [p for p in own if p is not piece and p.area is piece.area]
             if laying.leaves is None:  # which have some courses in common, and others each for itself
-                beside += [p for j in (course - 1, course + 1) for p in by_course.get(j, []) if _both_clean(piece, p)]
-            shared = [(_side(piece.shape, other.shape), k) for k, other in enumerate(beside)]
+                adjacent += [p for j in (course - 1, course + 1) for p in by_course.get(j, []) if _are_both_clean(piece, p)]
+            shared = [(_side(piece.shape, other.shape), k) for k, other in enumerate(adjacent)]
             length, k = max(shared, default=(0.0, 0), key=lambda item: (round(item[0], 9), -item[1]))
             if length < 1e-6:
                 continue
-            parts = _along(piece, [p for (side, _), p in zip(shared, beside, strict=True) if side > SAME and p.course == beside[k].course])
+            parts = _along(
+                piece, [p for (side, _), p in zip(shared, adjacent, strict=True) if side > SAME and p.course == adjacent[k].course]
+            )
             if len(parts) > 1:
                 own[own.index(piece) : own.index(piece) + 1] = parts
                 slivers = parts + slivers
-            elif (union := _joined(piece, beside[k])) is not None:
-                others = by_course[beside[k].course]
-                others[others.index(beside[k])] = union
+            elif (union := _joined(piece, adjacent[k])) is not None:
+                others = by_course[adjacent[k].course]
+                others[others.index(adjacent[k])] = union
                 own.remove(piece)
     return [piece for course in sorted(by_course) for piece in by_course[course]]
 
@@ -309,10 +311,10 @@ def _is_sliver(shape: Polygon, laying: Laying) -> bool:
     """True of a stone that is too low, too short, or too narrow throughout."""
     left, low, right, high = shape.bounds
     thin = shape.area < THIN * laying.course * (right - left) or shape.area < SHORT * laying.unit * (high - low)
-    return thin or narrower(shape, THIN * min(laying.course, laying.unit))
+    return thin or is_narrower(shape, THIN * min(laying.course, laying.unit))
 
 
-def _both_clean(one: FacetStone, other: FacetStone) -> bool:
+def _are_both_clean(one: FacetStone, other: FacetStone) -> bool:
     """Return True if two stones of different courses have the whole thickness, each of them also in the course of the other."""
     low, high = max(one.clean[0], other.clean[0]), min(one.clean[1], other.clean[1])
     return all(low - SAME <= p.shape.bounds[0] and p.shape.bounds[2] <= high + SAME for p in (one, other))

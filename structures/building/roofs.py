@@ -51,7 +51,7 @@ def roofs_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> tuple[
             bearing = keys.bearing or 0.5 * thickness
             if bearing > thickness:
                 raise InputError("", f"its bearing must be at most the thickness of its walls, {thickness:g} m, got {bearing:g}")
-            size.within(4.0 * bay.half[1] / keys.spacing, f"{where.removeprefix('structure.')}.spacing")
+            size.check_size(4.0 * bay.half[1] / keys.spacing, f"{where.removeprefix('structure.')}.spacing")
             roof = Roof(keys, name, where, bay, widening, z, bearing)
             for rafters, bar in (_hipped if len(keys.walls) == HIPPED else _pairs)(roof):
                 blocks += rafters

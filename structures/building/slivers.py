@@ -19,7 +19,7 @@ from shapely.strtree import STRtree
 
 from masonry_cd.mechanics.model.geometry import Shell
 from structures.building.stones import WELD, upright
-from structures.building.widths import ASIDE, TOUCH, fat_pieces, least_width, narrower
+from structures.building.widths import ASIDE, TOUCH, fat_pieces, is_narrower, least_width
 from structures.geometry import polygons
 
 SQUARE = 0.5  # sine of the angle between a joint that cuts a sliver and its longest side, at least
@@ -65,7 +65,7 @@ def joined(stones: Sequence[Stone]) -> list[Stone]:
     found: list[Stone | None] = list(stones)
     tree = STRtree([stone.plan for stone in stones])
     moved: dict[int, int] = {}  # number of a sliver, and of the stone that it is now part of
-    for k in sorted((k for k, stone in enumerate(stones) if narrower(stone.plan, stone.narrow)), key=lambda k: stones[k].plan.area):
+    for k in sorted((k for k, stone in enumerate(stones) if is_narrower(stone.plan, stone.narrow)), key=lambda k: stones[k].plan.area):
         sliver = found[k]
         assert sliver is not None
         near = {_last(moved, int(i)) for i in tree.query(stones[k].plan.buffer(TOUCH))} - {k}
@@ -80,7 +80,7 @@ def _cut_at_joints(stones: Sequence[Stone]) -> list[Stone]:
     tree = STRtree([stone.plan for stone in stones])
     found = list[Stone]()
     for stone in stones:
-        if not narrower(stone.plan, stone.narrow) or not stone.is_upright:
+        if not is_narrower(stone.plan, stone.narrow) or not stone.is_upright:
             found.append(stone)
             continue
         shapes = [stone.plan]

@@ -49,7 +49,7 @@ class WallOpeningTable(Table):
     name: Name | None = None
     """for reports; by default o1, o2 ..."""
     shape: OpeningShape = "rectangular"
-    """of its head; a rose is a whole circle, a niche does not go through"""
+    """shape of its head; a rose is a whole circle, a niche does not go through"""
     at: Place
     """distance of its middle from the start of the axis, along it"""
     width: Length
@@ -76,7 +76,7 @@ class BuildingWallTable(Table):
     """One entry ``[[structure.walls]]``."""
 
     name: Name
-    """of its blocks"""
+    """name of its blocks"""
     axis: tuple[Point | ArcTable, ...] = Field(strict=False, min_length=2)
     """points of the middle line; a piece may be an arc { to = [x, y], through = [x, y] }"""
     thickness: Thickness
@@ -96,7 +96,7 @@ class BuildingWallTable(Table):
     density: Density | None = None
     """by default that of the material"""
     group: Name | None = None
-    """of its blocks; by default its name"""
+    """group of its blocks; by default its name"""
     bond: Bond | None = None
     """by default that of the building"""
     openings: tuple[WallOpeningTable, ...] = Field((), strict=False)
@@ -116,7 +116,7 @@ class BuildingVaultTable(Table):
     """One entry ``[[structure.vaults]]``."""
 
     name: Name | None = None
-    """of its blocks and group; by default vault1, vault2 ..."""
+    """name of its blocks and group; by default vault1, vault2 ..."""
     shape: Literal["barrel", "cross", "domical", "dome"] = "barrel"
     """domical: of four sides, a cloister vault"""
     walls: tuple[str, ...] | None = Field(None, strict=False, min_length=2)
@@ -137,13 +137,13 @@ class BuildingRoofTable(Table):
     """One entry ``[[structure.roofs]]``: a pitched roof on walls of one height, in pairs of rafters that thrust or are tied."""
 
     name: Name | None = None
-    """of its blocks; by default roof1, roof2 ...; their group is roof"""
+    """name of its blocks; by default roof1, roof2 ...; their group is roof"""
     walls: tuple[str, ...] = Field(strict=False, min_length=2, max_length=4)
     """two that carry it, up to 10 degrees out of parallel, or the four of a hipped roof; all of one height"""
     rise: Length
     """of the underside at the ridge, over the tops of the walls"""
     thickness: Thickness = 0.25
-    """of the rafters with what lies on them"""
+    """thickness of the rafters with their cover"""
     mass: ArealMass
     """over its plan"""
     spacing: Length = 1.5
@@ -160,7 +160,7 @@ class BuildingColumnTable(Table):
     """One entry ``[[structure.columns]]``."""
 
     name: Name | None = None
-    """of its blocks and group; by default column1, column2 ..."""
+    """name of its blocks and group; by default column1, column2 ..."""
     at: Point | Points
     """its axis [x, y], or a list of them, which is a row"""
     to: Point | None = None
@@ -185,7 +185,7 @@ class ArcadeTable(Table):
     """One entry ``[[structure.arcades]]``: arches from column to column, and the wall above them."""
 
     name: Name | None = None
-    """of its wall; by default arcade1, arcade2 ..."""
+    """name of its wall; by default arcade1, arcade2 ..."""
     columns: str
     """name of the row of columns that carries it"""
     thickness: Thickness | None = None
@@ -208,7 +208,7 @@ class ButtressTable(Table):
     """One entry ``[[structure.buttresses]]``."""
 
     name: Name | None = None
-    """of its blocks; by default buttress1, buttress2 ..."""
+    """name of its blocks; by default buttress1, buttress2 ..."""
     wall: str
     """that it leans on"""
     at: Place

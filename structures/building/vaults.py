@@ -81,7 +81,7 @@ def vaults_of(plan: BuildingPlan, table: BuildingTable, faults: Faults) -> list[
         name = keys.name or f"vault{k + 1}"
         with faults.of(f"structure.vaults[{k}]", f"vault {name}"):
             vault = Vault(keys, name, bay_of(plan, keys))
-            _carried(plan, vault)
+            _check_springings(plan, vault)
             found.append(vault)
     return found
 
@@ -200,14 +200,14 @@ def _rectangle(shape: Polygon, along: np.ndarray) -> Bay:
     """A bay from its polygon, x along a direction.
 
     Raises:
-        InputError: it is no rectangle.
+        InputError: it is not a rectangle.
     """
     unit = along / np.hypot(*along)
     ring = polygons.loop(shape)
     local = np.column_stack([ring @ unit, ring @ np.array([-unit[1], unit[0]])])
     low, high = local.min(axis=0), local.max(axis=0)
     if abs(shape.area - float(np.prod(high - low))) > SQUARE * shape.area:
-        raise InputError("", f"its bay at {place(ring.mean(axis=0))} is no rectangle: {len(ring)} corners, {shape.area:.4g} m2")
+        raise InputError("", f"its bay at {place(ring.mean(axis=0))} is not a rectangle: {len(ring)} corners, {shape.area:.4g} m2")
     middle = 0.5 * (low + high)
     return Bay(
         middle[0] * unit + middle[1] * np.array([-unit[1], unit[0]]), unit, (float(0.5 * (high - low)[0]), float(0.5 * (high - low)[1]))
@@ -230,7 +230,7 @@ def _world(plan: BuildingPlan, leg: Leg, facet: Facet) -> Polygon:
     return Polygon(facet.place(np.array(shape.exterior.coords)[:-1]))
 
 
-def _carried(plan: BuildingPlan, vault: Vault) -> None:
+def _check_springings(plan: BuildingPlan, vault: Vault) -> None:
     """Refuse a vault without walls where it springs.
 
     Raises:

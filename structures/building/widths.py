@@ -30,7 +30,7 @@ def without_tails(shape: Polygon, narrow: float) -> list[Polygon]:
     return polygons.polygons(shape.difference(shapely.union_all(tails))) + tails
 
 
-def narrower(shape: BaseGeometry, width: float) -> bool:
+def is_narrower(shape: BaseGeometry, width: float) -> bool:
     """True where the widest circle within a polygon is narrower than a width [m]."""
     if 2.0 * shape.area >= width * shape.length:  # no polygon whose circle is that narrow has so much area
         return False

@@ -103,7 +103,7 @@ def ring(inner: float, outer: float, embrace: float, count: int) -> tuple[np.nda
 
 def _circular(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     inner, embrace = _circle(arch)
-    _agree(arch, inner, embrace)
+    _check_agreement(arch, inner, embrace)
     intrados, extrados = ring(inner, inner + arch.thickness, embrace, arch.voussoirs)
     springing = np.array([0.0, intrados[0, 1]])
     return intrados - springing, extrados - springing
@@ -121,7 +121,7 @@ def _circle(arch: RingTable) -> tuple[float, float]:
         raise InputError("structure.span", "missing; give the clear span or the radius")
     half = 0.5 * arch.span
     if arch.rise is not None:
-        _at_most("rise", arch.rise, half, "half the span")
+        _check_at_most("rise", arch.rise, half, "half the span")
         return (half**2 + arch.rise**2) / (2.0 * arch.rise), 180.0 if arch.rise == half else math.degrees(4.0 * math.atan2(arch.rise, half))
     embrace = 180.0 if arch.embrace is None else arch.embrace
     sine = math.sin(math.radians(0.5 * embrace))
@@ -135,20 +135,20 @@ def _embrace_of_radius(arch: RingTable, inner: float) -> float:
     if arch.embrace is not None:
         return arch.embrace
     if arch.rise is not None:
-        _at_most("rise", arch.rise, inner, "the intrados radius, radius - thickness/2")
+        _check_at_most("rise", arch.rise, inner, "the intrados radius, radius - thickness/2")
         return 180.0 if arch.rise == inner else math.degrees(2.0 * math.acos(1.0 - arch.rise / inner))
     if arch.span is not None:
-        _at_most("span", arch.span, 2.0 * inner, "twice the intrados radius, 2 radius - thickness")
+        _check_at_most("span", arch.span, 2.0 * inner, "twice the intrados radius, 2 radius - thickness")
         return math.degrees(2.0 * math.asin(min(0.5 * arch.span / inner, 1.0)))
     return 180.0
 
 
-def _at_most(key: str, value: float, limit: float, what: str) -> None:
+def _check_at_most(key: str, value: float, limit: float, what: str) -> None:
     if value > limit * (1.0 + AGREE):
         raise InputError(f"structure.{key}", f"must be at most {what}, {limit:g} m, got {value:g}")
 
 
-def _agree(arch: RingTable, inner: float, embrace: float) -> None:
+def _check_agreement(arch: RingTable, inner: float, embrace: float) -> None:
     """Refuse redundant keys that contradict each other."""
     half = math.radians(0.5 * embrace)
     implied = {

@@ -4,7 +4,7 @@
 The engine of buildings makes the blocks (:mod:`structures.building.square_plan`). Where the footprints of two walls overlap, at a corner,
 a junction or a crossing, the courses take turns: in even ones the wall along x runs through and the wall along y stops against it, in odd
 ones the other way round. So the walls are interlocked without a cut stone, and no upright joint runs from bottom to top. Unbonded walls
-leave every such place to one of the two, a straight joint: a real and dangerous condition, so it must be asked for. The frames of openings
+leave every such place to one of the two, a straight joint: a real and dangerous condition, so it must be requested. The frames of openings
 are those of all buildings (:mod:`structures.building.frames`). Heights are absolute, places count along the wall.
 """
 

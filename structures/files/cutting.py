@@ -162,10 +162,10 @@ def _heads(gmsh: Any, body: int, axis: int, course: int, plan: np.ndarray, cutti
     places = first + cutting.unit * np.arange(-1, np.ceil(cutting.reach[axis] / cutting.unit) + 1)
     room = NARROW * cutting.unit
     inside = places[(places > box[axis] + room) & (places < box[axis + 3] - room)]
-    beside = np.array([-room, -10.0 * cutting.tolerance, 10.0 * cutting.tolerance, room])
+    offsets = np.array([-room, -10.0 * cutting.tolerance, 10.0 * cutting.tolerance, room])
     other = next(k for k in cutting.plan if k != axis)
     column = cutting.plan.index(axis)
-    lengths = [_length(plan, column, place + d, box[other], box[other + 3]) for place in inside for d in beside]
+    lengths = [_length(plan, column, place + d, box[other], box[other + 3]) for place in inside for d in offsets]
     far, near, here, beyond = np.maximum(np.reshape(lengths, (-1, 4)), cutting.tolerance).T
     return inside[np.minimum(far / near, beyond / here) >= ALONG]
 

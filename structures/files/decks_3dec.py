@@ -140,7 +140,7 @@ def _done(where: str, pieces: list[FileShell], words: Sequence[str], lower: Sequ
     if is_set:
         first, end = (1 if lower[0] == "jset" else 3), _range_at(lower)
         everywhere = lower[0] != "jset"
-        return cut_by_set(where, pieces, words[first:end], everywhere, lambda piece: _in_range(where, piece, lower, words))
+        return cut_by_set(where, pieces, words[first:end], everywhere, lambda piece: _is_in_range(where, piece, lower, words))
     verb, at = (lower[0], 1) if lower[0] in OLD_READ else (_meant(lower[1] if len(lower) > 1 else ""), 2)
     if verb == "create":
         return [*pieces, _created(where, lower[at] if len(lower) > at else "", words[at + 1 :], len(pieces))]
@@ -150,7 +150,7 @@ def _done(where: str, pieces: list[FileShell], words: Sequence[str], lower: Sequ
         raise _changing(where, words)
     name = words[at].strip("'\"") if verb == "group" and len(words) > at else ""
     changes: dict[str, dict[str, Any]] = {"fix": {"fixed": True}, "free": {"fixed": False}, "group": {"group": name}}
-    return [piece._replace(**changes[verb]) if _in_range(where, piece, lower[at:], words[at:]) else piece for piece in pieces]
+    return [piece._replace(**changes[verb]) if _is_in_range(where, piece, lower[at:], words[at:]) else piece for piece in pieces]
 
 
 def _meant(word: str) -> str:
@@ -205,7 +205,7 @@ def _outward(loops: Sequence[np.ndarray]) -> tuple[np.ndarray, Faces]:
     return points, tuple(faces)
 
 
-def _in_range(where: str, piece: FileShell, lower: Sequence[str], words: Sequence[str]) -> bool:
+def _is_in_range(where: str, piece: FileShell, lower: Sequence[str], words: Sequence[str]) -> bool:
     """Return True if a block is in the range of a command: all blocks, a group, or between two coordinates of its centre.
 
     Raises:

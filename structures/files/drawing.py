@@ -39,11 +39,11 @@ class Shown(NamedTuple):
         return str(self.entity.dxftype())
 
 
-def opened(path: Path, mend: bool) -> tuple[Any, bool]:
+def opened(path: Path, repair: bool) -> tuple[Any, bool]:
     """The drawing of a file, and whether it is damaged and was read as far as it could be.
 
     Raises:
-        Refused: no DXF, or a damaged one that is not to be mended.
+        Refused: no DXF, or a damaged one that is not to be repaired.
     """
     require("a drawing (DXF)", "ezdxf")
     from ezdxf import DXFError, filemanagement, recover
@@ -51,14 +51,14 @@ def opened(path: Path, mend: bool) -> tuple[Any, bool]:
     try:
         return filemanagement.readfile(path), False
     except DAMAGED + (DXFError,) as failure:
-        if not mend:
+        if not repair:
             raise Refused(path.name, f"no DXF that can be read: {_said(failure)}") from None
         try:
             return recover.readfile(path)[0], True
         except DAMAGED + (DXFError,) as worse:
             raise Refused(path.name, f"no DXF that can be read: {_said(worse)}") from None
     except OSError:
-        raise Refused(path.name, "is no DXF file; its first lines should be 0 and SECTION") from None
+        raise Refused(path.name, "is not a DXF file; its first lines should be 0 and SECTION") from None
 
 
 def _said(failure: BaseException) -> str:

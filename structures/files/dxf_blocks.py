@@ -44,7 +44,7 @@ def read(path: Path, up: str = "z", metres: float = 0.0, thickness: float = 0.0,
     from ezdxf import DXFError
 
     _refuse_cut_short(path)
-    drawing, _ = opened(path, mend=False)
+    drawing, _ = opened(path, repair=False)
     stated = UNITS.get(drawing.header.get("$INSUNITS", 0), 0.0)
     unit, outlines = metres or stated or 1.0, 0
     faces: dict[tuple[str, str], list[np.ndarray]] = {}  # loops by insert and layer

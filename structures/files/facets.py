@@ -22,12 +22,12 @@ from structures.files.foreign import Faces, Refused
 
 FINEST = 64  # most facets along one curve
 EXTERNAL = re.compile(rb"\bAPPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT\s*\(")
-FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}  # as gmsh calls them; it would go by the file's name
+FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}  # as gmsh calls them; which would use the file's name
 
 
 @contextmanager
 def opened(path: Path, labels: bool = True) -> Iterator[Any]:
-    """The kernel with the volumes of a file in it, and their labels if asked for, which take long.
+    """The kernel with the volumes of a file in it, and their labels if requested, which take long.
 
     Raises:
         Refused: the file cannot be read, or holds no volume.

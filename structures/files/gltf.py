@@ -166,7 +166,7 @@ def _buffer(path: Path, buffer: Any, binary: bytes) -> bytes:
         return binary
     if uri.startswith("data:"):
         return base64.b64decode(uri.partition(",")[2])
-    beside = path.parent / Path(uri).name
-    if Path(uri).name != uri or not beside.is_file():
+    neighbour = path.parent / Path(uri).name
+    if Path(uri).name != uri or not neighbour.is_file():
         raise Refused(path.name, f'the file "{uri[:60]}" that it refers to is not next to it')
-    return beside.read_bytes()
+    return neighbour.read_bytes()

@@ -18,7 +18,7 @@ from masonry_cd.mechanics.model.geometry import sixfold_volumes, triangles
 from structures.files.shells import neighbours
 
 Loops = list[list[int]]
-MOST = 200  # patches of a shell that are looked at: one with more is no stone with a fin
+MOST = 200  # patches of a shell that are looked at: one with more is not a stone with a fin
 
 
 def without_fins(vertices: np.ndarray, loops: Loops) -> Loops:
@@ -87,11 +87,11 @@ def _odd(loops: Loops) -> int:
 
 def _patches(loops: Loops) -> list[set[int]]:
     """Faces that hang together by edges of two faces."""
-    beside: dict[int, list[int]] = defaultdict(list)
+    adjacent: dict[int, list[int]] = defaultdict(list)
     for own in _edges(loops).values():
         if len(own) == 2:
-            beside[own[0]].append(own[1])
-            beside[own[1]].append(own[0])
+            adjacent[own[0]].append(own[1])
+            adjacent[own[1]].append(own[0])
     found, seen = [], set[int]()
     for start in range(len(loops)):
         patch, queue = set[int](), [] if start in seen else [start]
@@ -99,7 +99,7 @@ def _patches(loops: Loops) -> list[set[int]]:
             face = queue.pop()
             if face not in patch:
                 patch.add(face)
-                queue += beside[face]
+                queue += adjacent[face]
         seen |= patch
         found += [patch] if patch else []
     return found

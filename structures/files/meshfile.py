@@ -6,7 +6,7 @@ triangles closed shells are different blocks, ``b0``, ``b1`` ... in the order of
 volume cell is convex and a block by itself, unless a cell array ``block`` of whole numbers joins several cells into one block with parts.
 What this program writes holds one line more, a comment or an attribute, with names, groups, supports and densities, which it reads back.
 
-Repair mends what can be mended without a guess: corners closer than the tolerance become one, faces that have lost all their area go, and
+Repair fixes what needs no guess: corners closer than the tolerance become one, faces that have lost all their area go, and
 so do faces given twice, fins and walls inside; edges of more than two faces are taken apart (:mod:`structures.files.manifold`); loops are
 turned to agree with each other, and the shell outwards.
 """
@@ -80,7 +80,7 @@ def load(path: Path, format_: str, **asked: Any) -> Loaded:
     if format_ in CAD:
         for stone in stones:
             for k, piece in enumerate(stone):
-                vertices, faces = mended(piece.vertices, piece.faces, figures[0])
+                vertices, faces = repaired(piece.vertices, piece.faces, figures[0])
                 stone[k] = piece._replace(vertices=vertices, faces=faces)
         return Loaded(stones, 1.0 if format_ == "step" else None, notes=notes)
     if format_ in ("gltf", "vrml"):
@@ -110,7 +110,7 @@ def blocks_of(
         density: of the blocks for which the file states none [kg/m3].
         scale: metres per unit of the file.
         up: the axis of the file that points upwards, "y" or "z".
-        repair: mend duplicate corners and the orientation of faces.
+        repair: merge duplicate corners and the orientation of faces.
         tolerance: distance within which corners are one, when repairing [m].
 
     Returns:
@@ -126,7 +126,7 @@ def blocks_of(
             raise InputError(source, f'block "{of.name}": a corner has coordinates that are no finite numbers, or far too large')
         try:
             if repair:
-                parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
+                parts = [repaired(vertices, faces, tolerance) for vertices, faces in parts]
             if not all(len(vertices) for vertices, _ in parts):
                 raise InputError(f'block "{of.name}"', "a face without corners")
             group = of.group or ("base" if of.fixed else DEFAULT)
@@ -173,7 +173,7 @@ def marks_of(blocks: Sequence[Block]) -> str:
     return MARK + text.replace("--", "\\u002d\\u002d")  # which would end a comment of XML
 
 
-def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> tuple[np.ndarray, Faces]:
+def repaired(vertices: np.ndarray, faces: Faces, tolerance: float) -> tuple[np.ndarray, Faces]:
     """Weld corners, drop faces without area and those given twice, and turn all loops to run counter-clockwise seen from outside.
 
     Args:

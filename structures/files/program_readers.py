@@ -143,7 +143,7 @@ def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
     """The matrix (4, 4) by which an element is placed in what it stands in.
 
     Raises:
-        Refused: it is no affine one, or flattens.
+        Refused: it is not an affine one, or flattens.
     """
     given = item.get("transformation")
     matrix = given.get("data", given).get("matrix") if isinstance(given, dict) else None
@@ -156,7 +156,7 @@ def _transformation(item: Mapping[str, Any], where: str) -> np.ndarray:
         or not np.allclose(out[3], (0.0, 0.0, 0.0, 1.0))
         or not abs(np.linalg.det(out)) > FLATTENED
     ):
-        raise Refused(where, "its transformation is no affine matrix of 4 x 4")
+        raise Refused(where, "its transformation is not an affine matrix of 4 x 4")
     return out
 
 

@@ -3,7 +3,7 @@
 
 Files are taken in the order of their names, numbers in them by their size. A stone has the name of its file; a file of several shells
 numbers them. Formats that state a unit of their own would have to agree with all others, and are refused. Hidden files are passed over;
-what is no mesh is counted.
+what is not a mesh is counted.
 """
 
 from __future__ import annotations

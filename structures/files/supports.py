@@ -46,9 +46,9 @@ class SupportRule(Table):
     box: Annotated[tuple[Corner, Corner], Field(strict=False)] | None = None
     """two corners of a box in which its centre lies"""
     group: str | None = None
-    """of the block; * stands for anything"""
+    """group of the block; * stands for anything"""
     name: str | None = None
-    """of the block; * stands for anything"""
+    """name of the block; * stands for anything"""
 
     @model_validator(mode="after")
     def _something(self) -> Self:

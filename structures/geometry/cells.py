@@ -98,7 +98,7 @@ class ConvexCell:
         """Both as one; None where that is not convex."""
         for i, j in self.faces_on(other):
             mine, its = (np.arange(len(part.offsets)) != k for part, k in ((self, i), (other, j)))
-            if not (_within(other, self.normals[mine], self.offsets[mine]) and _within(self, other.normals[its], other.offsets[its])):
+            if not (_is_within(other, self.normals[mine], self.offsets[mine]) and _is_within(self, other.normals[its], other.offsets[its])):
                 continue
             normals = np.concatenate([self.normals[mine], other.normals[its]])
             offsets = np.append(self.offsets[mine], other.offsets[its])
@@ -113,7 +113,7 @@ def planes(solid: Polyhedron | Block) -> Planes:
     return loop_planes(loops)
 
 
-def _within(part: ConvexCell, normals: np.ndarray, offsets: np.ndarray) -> bool:
+def _is_within(part: ConvexCell, normals: np.ndarray, offsets: np.ndarray) -> bool:
     return bool((part.corners @ normals.T - offsets).max() < ON)
 
 

@@ -346,9 +346,9 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, overlap: float) -> N
     more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
     slight = depths[deepest] <= SLIGHT * float(np.median(shells.size))
     wide = _round_up(2.0 * depths[deepest])
-    mend = f"; of a file, structure.gaps = {wide:g} [m] brings their faces together, structure.overlap lets it be" if slight else ""
+    remedy = f"; of a file, structure.gaps = {wide:g} [m] brings their faces together, structure.overlap lets it be" if slight else ""
     raise Unsound(
-        f'blocks "{a}" and "{b}"', f"they overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}", _names(blocks, owner[pairs].ravel())
+        f'blocks "{a}" and "{b}"', f"they overlap by {1e3 * depths[deepest]:.4g} mm{more}{remedy}", _names(blocks, owner[pairs].ravel())
     )
 
 

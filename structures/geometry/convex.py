@@ -31,7 +31,7 @@ from structures.geometry.prism import box
 from structures.size import MOST_BENT
 
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
-MOST_PARTS = 500  # a block that needs more is no stone but a scan
+MOST_PARTS = 500  # a block that needs more is not a stone but a scan
 MOST_FACES = 5_000  # of a block that is not convex: the tables of their sides take 50 MB
 WORK = 500_000  # entries of tables of sides for each face of a block, of some 4 ns each
 FEW = 1_000  # faces: a block with fewer may take the work of these
@@ -98,15 +98,15 @@ def split(block: Block) -> Block:
 
 def _why(block: Block, failure: Exception) -> str:
     """The line for a block that cannot be split: what is wrong with its faces as they were given, and what would help."""
-    line, mend = "not convex, and cannot be split into convex parts", "give it as convex blocks"
+    line, remedy = "not convex, and cannot be split into convex parts", "give it as convex blocks"
     size, off = size_of(block), warp(block)
     reasons = [str(failure)] if isinstance(failure, _Unsplit) else []
     if ON_PLANE * size < off < WARPED * size:
         hull = "give its convex hull, " if excess(block) < WARPED * size else ""
         flat = f"{1e3 * ON_PLANE * size:.2g} mm would count as flat"
-        reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, {hull}or {mend}")
+        reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, {hull}or {remedy}")
         return f"{line}: {', and '.join(reasons)}"
-    return f"{line}: {', '.join(reasons) or 'its faces pass through each other, or make slivers'}; {mend}"
+    return f"{line}: {', '.join(reasons) or 'its faces pass through each other, or make slivers'}; {remedy}"
 
 
 def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | None, Block | None]:
@@ -281,7 +281,7 @@ def _convex_loops(vertices: np.ndarray, face: tuple[int, ...]) -> list[tuple[int
 
 
 def _roundness(vertices: np.ndarray, ear: tuple[int, int, int], others: list[int], normal: np.ndarray) -> float:
-    """Twice the area of a triangle over the square of its longest side; negative where it is no ear: turned over, or not empty."""
+    """Twice the area of a triangle over the square of its longest side; negative where it is not an ear: turned over, or not empty."""
     corners = vertices[list(ear)]
     sides = np.roll(corners, -1, axis=0) - corners
     longest = float((sides * sides).sum(axis=1).max())

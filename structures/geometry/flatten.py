@@ -32,7 +32,7 @@ STEPS = 12  # of Newton's method; it takes three where no corner has more than t
 ROUNDING = 1e-9  # relative to the size of a block: faces of one that is not convex count as flat within this
 FLAT = 1e-12  # what is left of the conditions, relative to the size of the block
 SLACK = 1e-11  # of conditions that repeat each other, which would make the system singular
-MOST = 20_000  # faces of a block, beyond which it is no stone
+MOST = 20_000  # faces of a block, beyond which it is not a stone
 
 
 def flattened(blocks: Sequence[Block], flatness: float | None) -> tuple[list[Block], float, int]:

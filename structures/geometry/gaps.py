@@ -51,7 +51,7 @@ def close_gaps(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], 
         Unsound: a corner would have to move by more than twice the tolerance; names the block.
     """
     planes = _planes(blocks)
-    pairs = [pair for pair in _facing(blocks, planes, tolerance) if _near(planes, *pair, tolerance)]
+    pairs = [pair for pair in _facing(blocks, planes, tolerance) if _are_near(planes, *pair, tolerance)]
     normal, offset = _common(planes, [*pairs, *_own(blocks, planes)])
     out, most, face = [], 0.0, 0
     for block in blocks:
@@ -90,7 +90,7 @@ def _facing(blocks: Sequence[Block], planes: BlockFaces, tolerance: float) -> It
             yield int(start[a] + i), int(start[b] + j)
 
 
-def _near(planes: BlockFaces, i: int, j: int, tolerance: float) -> bool:
+def _are_near(planes: BlockFaces, i: int, j: int, tolerance: float) -> bool:
     """Return True if two faces lie over each other, nowhere farther apart than the tolerance."""
     normal = planes.normal[i]
     sides = np.roll(planes.polygon[i], -1, axis=0) - planes.polygon[i]

@@ -100,9 +100,9 @@ class AqueductTable(Table):
     unit_length: Length | None = None
     """of the blocks in the spandrels; by default 2 courses"""
     ends: Literal["pier", "abutment"] = "pier"
-    """what holds the last arches"""
+    """support of the last arches"""
     channel_width: Length | None = None
-    """clear, of a channel on top; by default there is none"""
+    """clear width of a channel on top; none by default"""
     channel_height: WallHeight | None = None
     """clear, of the channel; by default its width"""
     base_margin: Length | None = None
@@ -116,7 +116,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     aqueduct = parse_table(AqueductTable, table, "structure")
-    size.within(_estimate(aqueduct), "course_height" if aqueduct.course_height < 0.01 * min(aqueduct.clear_span) else "spans")
+    size.check_size(_estimate(aqueduct), "course_height" if aqueduct.course_height < 0.01 * min(aqueduct.clear_span) else "spans")
     tiers = tiers_of(aqueduct)
     blocks = _base(aqueduct, tiers, density)
     if aqueduct.ends == "abutment":

@@ -119,7 +119,7 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, top: floa
     if wide < bed * (1.0 - AGREE):
         raise InputError("structure.buttress_width", f"must be at least the width of the springing, {bed:.4g} m, got {wide:g}")
     height = arch.buttress_height or 2.0 * wide
-    size.within(arch.voussoirs + 2.0 * (arch.buttress_courses or 2.0 * height / wide), "buttress_height")
+    size.check_size(arch.voussoirs + 2.0 * (arch.buttress_courses or 2.0 * height / wide), "buttress_height")
     beds = np.linspace(-height, 0.0, (arch.buttress_courses or max(1, round(2.0 * height / wide))) + 1)
     near, far = float(inner[0]), float(inner[0]) - max(wide, bed)
     pieces = [rectangle(near, far, low, high) for low, high in pairwise(beds)]

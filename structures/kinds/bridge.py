@@ -49,7 +49,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> MadeStructu
     """
     keys = parse_table(BridgeTable, table, "structure")
     layout = layout_of(keys)
-    size.within(_estimate(layout), "spans" if keys.walls is None else "walls.unit_length")
+    size.check_size(_estimate(layout), "spans" if keys.walls is None else "walls.unit_length")
     blocks, faces = list[Block](), list[FillFace]()
     for made, touched in (part(layout, density) for part in (arches, supports, backings, walls)):
         blocks += made

@@ -73,7 +73,7 @@ def plan_of(table: Mapping[str, Any], folder: Path, faults: Sequence[Fault] = ()
 
 
 def _named(fault: Fault, tables: Mapping[str, Any], plan: FilePlan) -> str:
-    """The name of what a fault speaks of, by its place; empty where it is no entry of a list."""
+    """The name of what a fault speaks of, by its place; empty where it is not an entry of a list."""
     found = IN_A_LIST.match(fault.place)
     if found is None:
         return ""

@@ -27,7 +27,7 @@ from structures.kinds import church_elements, church_parts
 from structures.kinds.church_table import ChurchTable
 from structures.layout.ground import ground
 
-LEAST_DEPTH = 0.15  # of a buttress beyond its wall: one that juts out less is no wall of its own [m]
+LEAST_DEPTH = 0.15  # of a buttress beyond its wall: one that juts out less is not a wall of its own [m]
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
@@ -39,8 +39,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     from structures.building import square_plan
 
     keys = with_defaults(parse_table(ChurchTable, table, "structure"))
-    _fits(keys)
-    size.within(_estimate(keys), "gable" if (keys.gable or 0.0) > 10.0 * keys.height else "block_length")
+    _check_measures(keys)
+    size.check_size(_estimate(keys), "gable" if (keys.gable or 0.0) > 10.0 * keys.height else "block_length")
     church = church_parts.Church.of(keys)
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
@@ -86,7 +86,7 @@ def beds_of(church: church_parts.Church, walls: Sequence[wall_plan.PlanWall]) ->
     return square_plan.beds_of(walls, church.sizes, {"structure.apse_height": church.apse_top} if church.keys.apse else {})
 
 
-def _fits(keys: ChurchTable) -> None:
+def _check_measures(keys: ChurchTable) -> None:
     """Refuse measures that exclude each other."""
     t = keys.thickness or 1.0
     clear = min(keys.height - keys.aisle_height, keys.aisle_height) if keys.aisles else keys.height

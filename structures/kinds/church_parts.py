@@ -168,10 +168,10 @@ def _side_walls(church: Church) -> list[PlanWall]:
     return found
 
 
-def _windows(church: Church, sill: float, top: float, beside_tower: bool) -> tuple[Opening, ...]:
+def _windows(church: Church, sill: float, top: float, next_to_tower: bool) -> tuple[Opening, ...]:
     """The windows of a side wall; none opens into the tower."""
     keys, clear = church.keys, church.length - 2.0 * church.thick
-    low, high = church.tower_x if keys.tower and beside_tower else (math.inf, -math.inf)
+    low, high = church.tower_x if keys.tower and next_to_tower else (math.inf, -math.inf)
     reach = 0.5 * keys.window_width + church.unit
     places = [church.thick + (i + 0.5) * clear / keys.windows for i in range(keys.windows)]
     return tuple(window for x in places if not low - reach < x < high + reach for window in church.window(x, sill, top))

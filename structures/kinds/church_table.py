@@ -32,7 +32,7 @@ class ChurchTable(Table):
     gable: Height | None = None
     """height over the eaves; by default 2.5 m, in front of a vault its own height"""
     door_width: Height = 2.0
-    """of the facade, 0 for none"""
+    """width of the door of the facade, 0 for none"""
     door_height: WallHeight = Field(4.0)
     windows: int = Field(4, ge=0, le=20)
     """in each side wall of the nave"""
@@ -40,11 +40,11 @@ class ChurchTable(Table):
     window_height: WallHeight | None = None
     """by default 2.5 m, or what fits into a lower wall"""
     arch_span: Length | None = None
-    """of the triumphal arch; by default what fits before the apse"""
+    """span of the triumphal arch; by default the largest that fits before the apse"""
     apse: bool = True
     """behind the triumphal arch"""
     apse_radius: Length = 3.4
-    """clear, to the middle of its sides"""
+    """clear radius, to the middle of its sides"""
     apse_height: WallHeight = 6.0
     """to the springing of the half dome"""
     apse_sides: int = Field(7, ge=3, le=31)

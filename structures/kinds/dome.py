@@ -65,7 +65,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         raise InputError("structure.unit_length", "belongs to a dome in bond; a free lune has one stone to a row, as wide as its side")
     ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
     high = keys.drum_height / keys.thickness + 0.6 * (keys.rows or 0.25 * math.pi * keys.span / keys.thickness)  # 0.6: rows get shorter
-    size.within(high * max(1.0, 2.0 * inner * ring.slope / unit) * keys.sides, "unit_length" if keys.unit_length else "thickness")
+    size.check_size(high * max(1.0, 2.0 * inner * ring.slope / unit) * keys.sides, "unit_length" if keys.unit_length else "thickness")
     rows: list[rings.RingCourse] = []
     level = 0.0
     if keys.drum_height:

@@ -44,7 +44,7 @@ class FileTable(Table):
     fixed: Rules = ()
     """supports: names (* stands for anything), "ground" for what touches it, tables of below, box, group, name, or a list"""
     repair: bool = False
-    """mend duplicate corners and the orientation of faces of such a file"""
+    """merge duplicate corners and correct the orientation of faces of such a file"""
     flatness: Height | None = None
     """faces this near to a plane are made flat; a thousandth of the block when not given"""
     chord: Length | None = None
@@ -90,7 +90,8 @@ def _read(keys: FileTable, density: float, folder: Path) -> tuple[list[Block], l
     format_ = format_of(path)
     if format_ is None:
         raise InputError(
-            "structure.path", f'{path.name} is no file of blocks; kind = "file" reads {endings()}, and kind = "solid" {", ".join(SUFFIXES)}'
+            "structure.path",
+            f'{path.name} is not a file of blocks; kind = "file" reads {endings()}, and kind = "solid" {", ".join(SUFFIXES)}',
         )
     is_mesh = format_ != "json"
     for key in () if is_mesh else ("units", "up", "repair"):

@@ -39,7 +39,7 @@ class PackingTable(Table):
     shares: tuple[Share, ...] | None = Field(None, strict=False)
     """of each diameter, in any unit; by default equal ones"""
     share_of: Literal["number", "volume"] = "number"
-    """what the shares are shares of"""
+    """quantity of the shares"""
     count: int | None = Field(None, ge=1)
     """number of spheres; or fill"""
     fill: Length = 0.5
@@ -83,7 +83,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     shares = keys.shares or (1.0,) * len(keys.diameters)
     by_volume = keys.share_of == "volume"
     wanted = keys.count or count_for(keys.fill, plan, keys.diameters, shares, by_volume)
-    size.within(wanted, "fill" if keys.count is None else "count")
+    size.check_size(wanted, "fill" if keys.count is None else "count")
     numbers = numbers_of(max(1, round(wanted)), keys.diameters, shares, by_volume)
     for k, number in enumerate(numbers):
         if number == 0:

@@ -35,7 +35,7 @@ from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound
-from structures.files.meshfile import mended, placed
+from structures.files.meshfile import placed, repaired
 from structures.geometry import prism
 from structures.kind import Keys, StructureKind, scaled
 from structures.schema import Length, Table, WallHeight
@@ -128,14 +128,14 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.FileContents:
     }
     limits = foreign.Limits(seconds=keys.time_limit)
     made = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")
-    pieces = [foreign.FileShell(p.number, p.name, *mended(p.vertices, p.faces, keys.tolerance / scale)) for p in made.pieces]
+    pieces = [foreign.FileShell(p.number, p.name, *repaired(p.vertices, p.faces, keys.tolerance / scale)) for p in made.pieces]
     return made._replace(pieces=pieces)
 
 
 def _scale(keys: SolidTable, path: Path) -> float:
     """Metres per unit of the file; STEP files are read in metres."""
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError("structure.path", f'"{keys.path}" is no solid; known: {", ".join(SUFFIXES)}')
+        raise InputError("structure.path", f'"{keys.path}" is not a solid; known: {", ".join(SUFFIXES)}')
     if not is_file(path):
         raise InputError("structure.path", f'no file "{keys.path}"')
     states = path.suffix.lower() in (".step", ".stp")

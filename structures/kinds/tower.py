@@ -40,7 +40,7 @@ class TowerTable(Table):
     side: Length = 5.0
     """outer, along x"""
     side_y: Length | None = None
-    """outer, along y; by default the same"""
+    """outer side along y; by default the same"""
     height: WallHeight = Field(20.0)
     thickness: Thickness = 0.8
     """of the walls"""
@@ -53,7 +53,7 @@ class TowerTable(Table):
     through: int = Field(3, ge=1, le=100)
     """through-stones: with n, every n-th stone of every n-th course"""
     belfry_width: Height = 1.4
-    """of the openings; 0 for none"""
+    """width of the openings of the belfry; 0 for none"""
     belfry_height: WallHeight = 2.6
     """of the openings"""
     belfry_sill: Length | None = None
@@ -80,7 +80,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(TowerTable, table, "structure")
     unit = keys.unit_length or 2.0 * keys.course_height
     around = 2.0 * (keys.side + (keys.side_y or keys.side))
-    size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
+    size.check_size(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
     walls, sizes = elevations(keys), wall_plan.Sizes(keys.course_height, unit)
     blocks = square_plan.build(walls, square_plan.beds_of(walls, sizes), sizes, density, keys.bonded)
     blocks.append(ground(blocks, keys.base_depth or keys.course_height, density))

@@ -2,7 +2,7 @@
 """Vaults: a barrel on abutments, and the cross vault where two barrels of one profile meet over a square bay.
 
 Either has the profile of an arch (:mod:`structures.courser.arch_profiles`), whose voussoirs become courses that run along the vault. Head
-joints stand in running bond, so that no ring is separate from the next, unless asked for.
+joints stand in running bond, so that no ring is separate from the next, unless requested.
 
 Of a cross vault, the web towards +x fills x >= |y|: its courses end on the groins, the upright planes x = |y|. Seen from either web
 a groin is the same line, so a stone on it has an arm in both webs, a compound block, and the four keystone courses end in one
@@ -71,7 +71,7 @@ def _barrel(keys: VaultTable, density: float) -> list[Block]:
     intrados, extrados = joints_of(keys)
     length = keys.length or float(intrados[-1, 0] - intrados[0, 0])
     unit = keys.unit_length or 1.2 * keys.thickness
-    size.within(keys.voussoirs * (length / unit), "unit_length")
+    size.check_size(keys.voussoirs * (length / unit), "unit_length")
     blocks = barrel(intrados, extrados, (-0.5 * length, 0.5 * length), unit, density, keys.bonded)
     margin = 0.25 * keys.thickness
     for number, end in enumerate((0, -1), start=1):
@@ -97,7 +97,7 @@ def _cross(keys: VaultTable, density: float) -> list[Block]:
     if pier <= keys.thickness * (1.0 + 1e-6):
         raise InputError("structure.pier", f"must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
     unit = keys.unit_length or 1.2 * keys.thickness
-    size.within(4.0 * keys.voussoirs * (0.5 * half + pier) / unit, "unit_length")
+    size.check_size(4.0 * keys.voussoirs * (0.5 * half + pier) / unit, "unit_length")
     return crossing(intrados, extrados, half + pier, unit, density) + _piers(half, pier, keys.thickness, density)
 
 

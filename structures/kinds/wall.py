@@ -52,7 +52,7 @@ class WallTable(Table):
     through: int = Field(3, ge=0, le=100)
     """through-stones: with n, every n-th stone of every n-th course; 0 for none"""
     core: Literal["none", "solid", "rubble"] = "none"
-    """between two outer leaves: stones, or rubble of spheres"""
+    """core between two outer leaves: stones, or rubble of spheres"""
     core_thickness: Thickness | None = None
     """of the core; by default a third of the thickness"""
     core_diameters: tuple[Length, ...] | None = Field(None, strict=False, min_length=1, max_length=20)
@@ -62,7 +62,7 @@ class WallTable(Table):
     core_density: Density | None = None
     """of the core; by default that of the material"""
     core_seed: int = Field(0, ge=0)
-    """of where the rubble lies; equal seeds give equal places"""
+    """seed of the places of the rubble; equal seeds give equal places"""
     openings: tuple[dict[str, Any], ...] = Field((), strict=False, json_schema_extra=rows(OpeningTable))
     """doors and windows, [[structure.openings]] each"""
     gable: Height = 0.0
@@ -82,7 +82,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(WallTable, table, "structure")
     wall = elevation(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
-    size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * wall.leaves, "course_height")
+    size.check_size(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * wall.leaves, "course_height")
     sizes = wall_plan.Sizes(keys.course_height, unit)
     beds = square_plan.beds_of([wall], sizes)
     blocks = square_plan.build([wall], beds, sizes, density)
@@ -113,7 +113,7 @@ def elevation(keys: WallTable) -> wall_plan.PlanWall:
     for i, entry in enumerate(keys.openings):
         made = parse_table(OpeningTable, entry, f"structure.openings[{i}]")
         openings.append(opening_of(made, f"structure.openings[{i}]", keys.course_height))
-        inside(f"structure.openings[{i}].", made.centre, made.width, 0.5 * keys.length)
+        check_inside(f"structure.openings[{i}].", made.centre, made.width, 0.5 * keys.length)
     half, thick = 0.5 * keys.length, 0.5 * keys.thickness
     leaves = keys.leaves if core is None else 3
     return wall_plan.PlanWall(
@@ -169,7 +169,7 @@ def _rubble(keys: WallTable, wall: wall_plan.PlanWall, stones: Sequence[Block], 
     if len(shares) != len(diameters):
         raise InputError("structure.core_shares", f"must have one for each of the {len(diameters)} diameters, got {len(shares)}")
     plan = ContainerPlan(wall.end - wall.start, far - near)
-    size.within(count_for(keys.height, plan, diameters, shares, False), "core_diameters")
+    size.check_size(count_for(keys.height, plan, diameters, shares, False), "core_diameters")
     through = [b.vertices for b in stones if np.ptp(b.vertices[:, 1]) > wall.far - wall.near - wall_plan.SAME]
     reach = np.array([[v[:, 0].min(), v[:, 0].max(), v[:, 2].min(), v[:, 2].max()] for v in through]).reshape(-1, 4)
     slot = rubble.Slot(wall.start, wall.end, near, far, beds[0], beds[-1])
@@ -180,7 +180,7 @@ def _rubble(keys: WallTable, wall: wall_plan.PlanWall, stones: Sequence[Block], 
     ]
 
 
-def inside(key: str, centre: float, width: float, half: float) -> None:
+def check_inside(key: str, centre: float, width: float, half: float) -> None:
     """Refuse an opening outside its wall of a given half length [m]."""
     if width >= 2.0 * half:
         raise InputError(f"{key}width", f"must be below the length of the wall, {2.0 * half:g} m, got {width:g}")

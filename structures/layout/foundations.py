@@ -41,7 +41,7 @@ class FoundationsTable(Table):
     x: int | Annotated[list[float], Unit("m")] | None = None
     """number of strips along x, or where to cut"""
     y: int | Annotated[list[float], Unit("m")] | None = None
-    """likewise along y"""
+    """the same along y"""
 
 
 def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:
@@ -69,7 +69,7 @@ def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:
             raise InputError(f"structure.{KEY}", 'a single group stands on each support; "corners" or { x = 4 } divides one')
         return made
     cuts = _cuts(asked, *_footprint(blocks, supports))
-    size.within((len(cuts[0]) + 1) * (len(cuts[1]) + 1), KEY)
+    size.check_size((len(cuts[0]) + 1) * (len(cuts[1]) + 1), KEY)
     made = [piece for block in blocks for piece in (_pieces(block, cuts, asked == "corners") if block.fixed else [block])]
     if len(made) == len(blocks):
         raise InputError(f"structure.{KEY}", "no cut meets a support")
@@ -156,7 +156,7 @@ def _by_parts(block: Block, blocks: Sequence[Block]) -> Iterator[Block]:
         return
     if len(block.vertices) != 8 or not np.all((block.vertices == low) | (block.vertices == high)):
         raise InputError(
-            f"structure.{KEY}", f'"{block.name}" is no level box, which "parts" needs; {{ x = 4 }} and "corners" cut others too'
+            f"structure.{KEY}", f'"{block.name}" is not a level box, which "parts" needs; {{ x = 4 }} and "corners" cut others too'
         )
     plan = _plan(feet, groups, low, high)
     number: dict[str, int] = {}

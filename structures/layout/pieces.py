@@ -41,7 +41,7 @@ def in_pieces(made: MadeStructure, stones: Mapping[str, Stones]) -> MadeStructur
     """The blocks of a structure with its stones in pieces.
 
     Raises:
-        InputError: a name that is no group, no block to cut, one that fill touches, more pieces than blocks are allowed, or none where
+        InputError: a name that is not a group, no block to cut, one that fill touches, more pieces than blocks are allowed, or none where
             blocks of a file are pieces.
     """
     if not stones:
@@ -55,7 +55,7 @@ def in_pieces(made: MadeStructure, stones: Mapping[str, Stones]) -> MadeStructur
     if first is not None:
         raise InputError(f"{KEY}.{first.group}", f'fill lies on "{first.name}", and stones below fill cannot be cut; name other groups')
     whole = [block.name for block in made.blocks if block.name in chosen and (block.parts or block.radius)]
-    size.within(len(made.blocks) + sum((own.pieces or PIECES) - 1 for own in chosen.values() if own is not None), size.KEY)
+    size.check_size(len(made.blocks) + sum((own.pieces or PIECES) - 1 for own in chosen.values() if own is not None), size.KEY)
     pieces = {
         block.name: _pieces(block, own, number)
         for number, block in enumerate(made.blocks)

@@ -129,11 +129,11 @@ def _give_slivers(blocks: Sequence[Block], cut: dict[int, list[ConvexCell]], thi
     stones = _Stones(blocks, cut, {}, *(np.array([end(block.vertices, axis=0) for block in blocks]) for end in (np.min, np.max)))
     for _ in range(ROUNDS):
         found = sorted(_slivers(blocks, cut, thin), key=lambda item: (item[2].width, item[0]))
-        if not sum(_given(stones, *item, thin) for item in found):  # of all of them
+        if not sum(_give(stones, *item, thin) for item in found):  # of all of them
             return
 
 
-def _given(stones: _Stones, k: int, loose: bool, part: ConvexCell, thin: float) -> bool:
+def _give(stones: _Stones, k: int, loose: bool, part: ConvexCell, thin: float) -> bool:
     """Give a part of stone k, piece by piece, to those on which it lies where it gets thicker there; whether any was given."""
     if part not in stones.cut[k]:  # another one has been joined to it
         return False

@@ -90,7 +90,7 @@ def fill(slot: Slot, stones: np.ndarray, beds: Sequence[float], diameters: Seque
             radius = 0.5 * diameters[size]
             starts = random.random((TRIES, 2)) * [slot.x1 - slot.x0, slot.y1 - slot.y0] + [slot.x0, slot.y0]
             found = [drop(Dropped(x, y, radius), heap, slot, laid, DIRECTIONS) for x, y in starts.tolist()]
-            free = [p for p in found if not p[3] and p[2] <= min(high, slot.top - radius) and not _within(p, radius, to_come)]
+            free = [p for p in found if not p[3] and p[2] <= min(high, slot.top - radius) and not _is_within(p, radius, to_come)]
             if not free:
                 missed += 1
                 continue
@@ -101,7 +101,7 @@ def fill(slot: Slot, stones: np.ndarray, beds: Sequence[float], diameters: Seque
     return Grains(heap.centre[: len(sizes)].copy(), np.array(sizes, dtype=int))
 
 
-def _within(place: tuple[float, float, float, bool], radius: float, stones: np.ndarray) -> bool:
+def _is_within(place: tuple[float, float, float, bool], radius: float, stones: np.ndarray) -> bool:
     """Return True if a sphere is in the way of stones (S, 4) that are laid later."""
     x, _, z, _ = place
     aside = np.maximum(np.maximum(stones[:, 0] - x, x - stones[:, 1]), 0.0)

@@ -108,9 +108,9 @@ class BlockLayout:
                 (self.low[plain, axis] < middle + SAME) & (self.high[plain, axis] > middle - SAME) & (self.high[plain, 2] <= head + SAME)
             ]
             sill = self.top(under) if len(under) else self.foot(own)
-            beside = plain[(self.low[plain, 2] < head - SAME) & (self.high[plain, 2] > sill + SAME)]
-            left = self.high[beside, axis][self.high[beside, axis] <= middle]
-            right = self.low[beside, axis][self.low[beside, axis] >= middle]
+            adjacent = plain[(self.low[plain, 2] < head - SAME) & (self.high[plain, 2] > sill + SAME)]
+            left = self.high[adjacent, axis][self.high[adjacent, axis] <= middle]
+            right = self.low[adjacent, axis][self.low[adjacent, axis] >= middle]
             ends = self.low[around, axis].min(), self.high[around, axis].max()
             start, end = (float(left.max()) if len(left) else float(ends[0])), (float(right.min()) if len(right) else float(ends[1]))
             found.append(Hole(start, end, sill, head))

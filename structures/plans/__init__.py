@@ -61,7 +61,7 @@ def open_plan(path: Path, keys: Mapping[str, Any], origin: tuple[float, float] |
     suffix = path.suffix.lower()
     if suffix not in (".dxf", ".ifc", ".json"):
         hint = "; save it as DXF" if suffix == ".dwg" else ""
-        raise InputError("structure.plan", f"{path.name} is no plan; plans are read from .dxf, .ifc and .json{hint}")
+        raise InputError("structure.plan", f"{path.name} is not a plan; plans are read from .dxf, .ifc and .json{hint}")
     if not is_file(path):
         raise InputError("structure.plan", f'no file "{path.name}" in {path.parent}')
     if suffix == ".dxf":

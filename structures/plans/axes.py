@@ -151,13 +151,13 @@ def _end(bands: Sequence[WallStretch], k: int, side: int, ground: Any) -> _End:
         for distance, met in _meetings(bands[k], point, out, other):
             if best is not None and abs(distance) >= abs(best[0]) - 1e-9:
                 continue
-            if distance > SLACK and ground is not None and not _over_wall(point, point + distance * out, ground):
+            if distance > SLACK and ground is not None and not _is_over_wall(point, point + distance * out, ground):
                 continue
             best = (distance, _End(point + distance * out, None if met is None else (j, met), True, other.thickness))
     return best[1] if best is not None else _End(point, None, False)
 
 
-def _over_wall(a: np.ndarray, b: np.ndarray, ground: Any) -> bool:
+def _is_over_wall(a: np.ndarray, b: np.ndarray, ground: Any) -> bool:
     import shapely
 
     line = shapely.LineString([a, b])

@@ -66,13 +66,13 @@ def bands_of(faces: Faces, thickest: float, openings: Sequence[Any]) -> list[Wal
     pairs = [*_pairs(faces.edges, ground, thickest), *_pairs(faces.loose, None, thickest)]
     for long in (True, False):
         for band in sorted((b for b in pairs if (b.length >= b.thickness) == long), key=lambda b: (b.thickness, -b.length)):
-            if not _taken(band, found):
+            if not _is_taken(band, found):
                 found.append(band)
         found = merged(found, ground, openings)
     return found
 
 
-def _taken(band: WallStretch, others: Sequence[WallStretch]) -> bool:
+def _is_taken(band: WallStretch, others: Sequence[WallStretch]) -> bool:
     """Return True if others have much of a band's ground."""
     own = band.ground()
     x, y, u, v = own.bounds
@@ -86,21 +86,21 @@ def _taken(band: WallStretch, others: Sequence[WallStretch]) -> bool:
 
 
 def _pairs(edges: Sequence[Edge], ground: Any, thickest: float) -> Iterator[WallStretch]:
-    """Candidates between any two edges; without a ground, as between loose lines, what lies between them is not asked for."""
+    """Candidates between any two edges; without a ground, as between loose lines, what lies between them is not considered."""
     import shapely
 
     if ground is not None:
         shapely.prepare(ground)
-    yield from (b for b in _straight([e for e in edges if e.centre is None], thickest) if _filled(b, ground))
+    yield from (b for b in _straight([e for e in edges if e.centre is None], thickest) if _is_filled(b, ground))
     arcs = [e for e in edges if e.centre is not None]
     for k, one in enumerate(arcs):
         for other in arcs[k + 1 :]:
             band = _concentric(one, other, thickest)
-            if band is not None and _filled(band, ground):
+            if band is not None and _is_filled(band, ground):
                 yield band
 
 
-def _filled(band: WallStretch, ground: Any) -> bool:
+def _is_filled(band: WallStretch, ground: Any) -> bool:
     import shapely
 
     if ground is None:
@@ -224,13 +224,13 @@ def _one_of(one: WallStretch, other: WallStretch, ground: Any, openings: Sequenc
     share = (one.length, other.length)
     thickness = (one.thickness * share[0] + other.thickness * share[1]) / sum(share)
     gap = WallStretch(Edge(far[0] + low * d, far[0] + high * d, ""), thickness, ())
-    if high - low > 0.02 and not _bridged(gap, ground, openings):
+    if high - low > 0.02 and not _is_bridged(gap, ground, openings):
         return None
     handles = tuple(dict.fromkeys((*one.handles, *other.handles)))
     return WallStretch(Edge(far[0], far[1], one.axis.handle), thickness, handles, max(one.taper, other.taper))
 
 
-def _bridged(gap: WallStretch, ground: Any, openings: Sequence[Any]) -> bool:
+def _is_bridged(gap: WallStretch, ground: Any, openings: Sequence[Any]) -> bool:
     """Return True if wall, or one opening, fills a gap between two bands."""
     strip = gap.ground(0.5)
     if ground is not None and ground.intersection(strip).area >= BRIDGED * strip.area:
@@ -252,7 +252,7 @@ def _one_arc(one: WallStretch, other: WallStretch, ground: Any, openings: Sequen
     gap = (_ccw(second.axis, one.axis.centre)[0] - start) % (2.0 * math.pi) - sweep
     if gap * one.axis.radius > 0.02:
         ends = [one.axis.centre + turned(first.axis.points()[0] - one.axis.centre, angle) for angle in (sweep, sweep + gap)]
-        if first.axis.sweep < 0.0 or not _bridged(
+        if first.axis.sweep < 0.0 or not _is_bridged(
             WallStretch(Edge(ends[0], ends[1], "", one.axis.centre, gap), one.thickness, ()), ground, openings
         ):
             return None

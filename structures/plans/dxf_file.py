@@ -31,7 +31,7 @@ def read(path: Path) -> FileContents:
     Raises:
         Refused: no DXF, or more than a plan has.
     """
-    drawing, mended = opened(path, mend=True)
+    drawing, repaired = opened(path, repair=True)
     entities: list[Entity] = []
     for item in shown(drawing):
         entities += (own := _read_one(item))
@@ -40,7 +40,7 @@ def read(path: Path) -> FileContents:
         if len(entities) > MOST:
             raise Refused(path.name, f"more than {MOST} entities; keep those of one floor")
     units = drawing.header.get("$INSUNITS", 0)
-    return FileContents(entities, [float(units) if isinstance(units, int) else 0.0, float(mended)], sheets_line(drawing, path.name))
+    return FileContents(entities, [float(units) if isinstance(units, int) else 0.0, float(repaired)], sheets_line(drawing, path.name))
 
 
 def _read_one(item: Shown) -> list[Entity]:
@@ -105,7 +105,7 @@ def _flat(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Points as an array (P, 3).
 
     Raises:
-        ValueError: one is no place.
+        ValueError: one is not a place.
     """
     out = np.array(points, dtype=float).reshape(-1, 3)
     if not _are_places(out):

@@ -16,7 +16,7 @@ from structures.plans.entities import INSERT, PATH, Entity
 from structures.plans.marks import Marks
 
 TOUCHING = 0.02  # lines on a layer of openings this near to each other draw one opening [m]
-BESIDE = 0.3  # an opening this far off every wall lies in none [m]
+NEAR = 0.3  # an opening this far off every wall lies in none [m]
 NARROWEST = 0.08  # m
 DOOR, WINDOW, SILL = 2.1, 1.2, 0.9  # heights and sill where no text says them [m]
 READ_AT = 1.5  # a text further away than this belongs to something else [m]
@@ -117,10 +117,10 @@ class Fitted(NamedTuple):
 
 def fit(one: Drawn, walls: Sequence[WallAxis]) -> Fitted | None:
     """The wall that a drawn opening lies in and its extent along it, or None."""
-    for beside in (TOUCHING, BESIDE):
+    for distance in (TOUCHING, NEAR):
         best: Fitted | None = None
         for k, wall in enumerate(walls):
-            clip = one.shape.intersection(wall.ground(beside))
+            clip = one.shape.intersection(wall.ground(distance))
             if clip.is_empty:
                 continue
             corners = _coordinates(clip)
@@ -152,7 +152,7 @@ def _across(wall: WallAxis, corners: np.ndarray) -> tuple[float, float]:
     return min(out), max(out)
 
 
-def beside_of(text: Entity, read: Marks, things: Sequence[Drawn], taken: Mapping[str, Sequence[str]]) -> Drawn | None:
+def neighbour_of(text: Entity, read: Marks, things: Sequence[Drawn], taken: Mapping[str, Sequence[str]]) -> Drawn | None:
     """The thing that a text belongs to: the nearest; of several over one another that one which it fits, and that has none yet.
 
     Args:
@@ -232,14 +232,14 @@ def _not_taken(text: str, width: float, table: Mapping[str, Any]) -> list[str]:
     return [f'"{" ".join(text.split())[:40]}" says {said}' for said in differ]
 
 
-def _opening_table(fitted: Fitted, beside: Sequence[Marks], own: Marks, thickness: float) -> tuple[dict[str, Any], list[str]]:
-    every = [*beside, own]
+def _opening_table(fitted: Fitted, adjacent: Sequence[Marks], own: Marks, thickness: float) -> tuple[dict[str, Any], list[str]]:
+    every = [*adjacent, own]
     numbers: dict[str, float] = {}
     for read in reversed(every):
         numbers |= _with_pair(read, fitted.width)
     shape = next((read.shape for read in every if read.shape), "rectangular")
     kind = next((read.kind for read in every if read.kind), "")
-    name = next((read.name for read in beside if read.name and not read.kind), "")
+    name = next((read.name for read in adjacent if read.name and not read.kind), "")
     assumed = []
     if "sill" not in numbers and kind == "window":
         numbers["sill"] = SILL
@@ -262,7 +262,7 @@ def _opening_table(fitted: Fitted, beside: Sequence[Marks], own: Marks, thicknes
 
 
 def _with_pair(read: Marks, width: float) -> dict[str, float]:
-    """The numbers of marks, a pair among them: the one of the two that is the width as drawn is no height."""
+    """The numbers of marks, a pair among them: the one of the two that is the width as drawn is not a height."""
     if read.pair is None:
         return read.numbers
     a, b = read.pair

@@ -55,7 +55,7 @@ def read(path: Path) -> FileContents:
     from ifcopenshell import geom
 
     if not path.read_bytes().lstrip().startswith(MARK):
-        raise Refused(path.name, "is no IFC file in STEP's text (ISO-10303-21); export it as .ifc")
+        raise Refused(path.name, "is not an IFC file in STEP's text (ISO-10303-21); export it as .ifc")
     try:
         model = ifcopenshell.open(str(path))
     except Exception as failure:  # of ifcopenshell, of several kinds
@@ -75,7 +75,7 @@ def _shapes(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Shape]:
     """The elements that are read; others with a shape are counted."""
     for element in model.by_type("IfcProduct"):
         kind = next((kind for kind in READ if element.is_a(kind)), "")
-        if not kind and (any(_is(element, other) for other in PASSED) or (any(map(element.is_a, FILLINGS)) and _fills(element))):
+        if not kind and (any(_is_of_class(element, other) for other in PASSED) or (any(map(element.is_a, FILLINGS)) and _fills(element))):
             continue
         if element.Representation is None:
             if kind in (WALLS, OPENINGS, COLUMNS):
@@ -83,7 +83,7 @@ def _shapes(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Shape]:
             continue
         host = _host(element) if kind == OPENINGS else ""
         if not kind or (kind == OPENINGS and not host):
-            unread[f"{element.is_a()}{' in what is no wall' if kind else ''}"] += 1
+            unread[f"{element.is_a()}{' in what is not a wall' if kind else ''}"] += 1
             continue
         try:
             shape = shape_of(element).geometry
@@ -96,7 +96,7 @@ def _shapes(model: Any, shape_of: Any, unread: Counter[str]) -> Iterator[Shape]:
             yield Shape(kind, str(element.GlobalId), str(element.Name or ""), _storey(element), host, points, faces)
 
 
-def _is(element: Any, kind: str) -> bool:
+def _is_of_class(element: Any, kind: str) -> bool:
     """True if an element is of a class, which its schema may not know."""
     try:
         return bool(element.is_a(kind))

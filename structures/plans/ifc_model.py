@@ -255,7 +255,7 @@ def _column(element: Element, left: list[Left]) -> dict[str, Any] | None:
     plan = shapely.MultiPoint(element.points[:, :2]).convex_hull
     tall = element.high - element.low
     if plan.geom_type != "Polygon" or abs(plan.area * tall - element.volume) > ALIKE * element.volume:
-        left.append(element.left("is no upright column of one section"))
+        left.append(element.left("is not an upright column of one section"))
         return None
     box = np.array(plan.minimum_rotated_rectangle.exterior.coords)[:4]
     a, b = (float(math.dist(box[k], box[k + 1])) for k in (0, 1))

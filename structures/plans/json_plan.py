@@ -39,16 +39,16 @@ def write_json(path: Path, tables: Mapping[str, Any]) -> None:
 def _text(value: Any, indent: str) -> str:
     """JSON that is wide where it is flat: objects without lists of objects within on one line."""
     inner = indent + "  "
-    if isinstance(value, Mapping) and any(_deep(part) for part in value.values()):
-        flat = {key: part for key, part in value.items() if not _deep(part)}
+    if isinstance(value, Mapping) and any(_is_deep(part) for part in value.values()):
+        flat = {key: part for key, part in value.items() if not _is_deep(part)}
         lines = [json.dumps(flat, ensure_ascii=False, allow_nan=False)[1:-1]] if flat else []
-        lines += [f"{json.dumps(key)}: {_text(part, inner)}" for key, part in value.items() if _deep(part)]
+        lines += [f"{json.dumps(key)}: {_text(part, inner)}" for key, part in value.items() if _is_deep(part)]
         return "{\n" + ",\n".join(inner + line for line in lines) + f"\n{indent}}}"
-    if _deep(value):
+    if _is_deep(value):
         return "[\n" + ",\n".join(inner + _text(part, inner) for part in value) + f"\n{indent}]"
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _deep(value: Any) -> bool:
+def _is_deep(value: Any) -> bool:
     """Return True if a value is a list of objects with keys of their own, other than the pieces of an axis."""
     return isinstance(value, (list, tuple)) and any(isinstance(part, Mapping) and "to" not in part for part in value)

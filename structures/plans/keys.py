@@ -64,9 +64,9 @@ class PlanKeys(Table):
     units: Literal["m", "cm", "mm", "in", "ft"] | None = None
     """of a drawing that does not say it, or says it wrongly"""
     layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}))
-    """what lies on which layer of a drawing"""
+    """role of each layer of a drawing"""
     wall_height: WallHeight | None = None
-    """of walls for which the drawing has none"""
+    """height of walls for which the drawing has none"""
     wall_thickness: Thickness | None = None
     """of walls of which only the middle line is drawn, where no mark says it"""
     thickest: Length = 2.5
@@ -79,6 +79,6 @@ class StoreyTable(Table):
     plan: str
     """drawing of its walls, .dxf, relative to the scene"""
     height: WallHeight
-    """from its foot to that of the next, and of its walls where the drawing has no other"""
+    """height from its foot to that of the next, and of its walls where the drawing has no other"""
     floor: SlabTable | None = None
-    """over each of its rooms, { thickness = 0.25, mass = 400.0 }"""
+    """floor over each of its rooms, { thickness = 0.25, mass = 400.0 }"""

@@ -74,7 +74,7 @@ class Marks(NamedTuple):
         return not (self.numbers or self.profile or self.pair or self.shape or self.vault or self.kind)
 
     @property
-    def of_opening(self) -> bool:
+    def is_of_opening(self) -> bool:
         """Return True if this can be of an opening only."""
         return bool(self.pair or self.shape or self.kind or {"sill", "ring", "depth"} & set(self.numbers))
 

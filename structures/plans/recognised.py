@@ -14,7 +14,7 @@ from structures.plans.axes import WallAxis, walls_of
 from structures.plans.bands import WallStretch, bands_of
 from structures.plans.edges import Faces, edges_of, faces_of
 from structures.plans.entities import INSERT, OTHER, PATH, TEXT, Entity
-from structures.plans.fitted import READ_AT, Drawn, beside_of, column_table, drawn, fit, opening_tables, vault_table
+from structures.plans.fitted import READ_AT, Drawn, column_table, drawn, fit, neighbour_of, opening_tables, vault_table
 from structures.plans.heights import Note, height_keys, nearest_wall
 from structures.plans.keys import PlanKeys
 from structures.plans.places import place
@@ -118,7 +118,7 @@ def _why_unknown(entity: Entity, keys: PlanKeys) -> str:
 
 
 def _walls(roles: _Roles, keys: PlanKeys, openings: Sequence[Drawn], name: str) -> tuple[list[WallAxis], Faces, list[Left]]:
-    """The walls, what is drawn of them, and which of that is no wall."""
+    """The walls, what is drawn of them, and which of that is not a wall."""
     paths = roles.of("walls", PATH)
     broad = [p for p in paths if p.width > 0.0 and not p.closed]
     faces = faces_of(p for p in paths if not (p.width > 0.0 and not p.closed))
@@ -194,12 +194,12 @@ class _Reader:
     def tables(self, roles: _Roles, openings: Sequence[Drawn], texts: Sequence[Entity], faces: Faces) -> Recognised:
         """The tables of the plan."""
         things = {"openings": list(openings)} | {role: drawn(roles.by_role.get(role, [])) for role in ("vaults", "columns")}
-        beside, of_walls = self._sorted_texts(texts, things, roles)
+        adjacent, of_walls = self._sorted_texts(texts, things, roles)
         walls = self._wall_tables(of_walls)
-        self._openings(openings, beside, walls)
+        self._openings(openings, adjacent, walls)
         tables: dict[str, Any] = {"walls": walls}
         for role in ("vaults", "columns"):
-            made = self._elements(things[role], beside, role)
+            made = self._elements(things[role], adjacent, role)
             if made:
                 tables[role] = made
         self._remarks(faces)
@@ -209,14 +209,14 @@ class _Reader:
         self, texts: Sequence[Entity], things: dict[str, list[Drawn]], roles: _Roles
     ) -> tuple[dict[str, list[str]], dict[int, list[Note]]]:
         """Texts by the handle of the thing that they are next to, and by wall."""
-        beside: dict[str, list[str]] = {}
+        adjacent: dict[str, list[str]] = {}
         of_walls: dict[int, list[Note]] = {}
         for text in texts:
             read, place, role = marks.read(text.text), text.line, roles.role_of[text.handle]
             home = next((d for each in things.values() for d in each if text.owner in d.handles), None)
-            if home is None and (role in things or read.of_opening or "springing" in read.numbers):
+            if home is None and (role in things or read.is_of_opening or "springing" in read.numbers):
                 role = role if role in things else "vaults" if "springing" in read.numbers else "openings"
-                home = beside_of(text, read, things[role], beside)
+                home = neighbour_of(text, read, things[role], adjacent)
             elif home is None:
                 k = nearest_wall(place, self.walls)
                 if k is not None and (not read.means_nothing or marks.name_in(text.text)):
@@ -226,8 +226,8 @@ class _Reader:
                 where = f'"{text.text.strip()[:40]}" ' + ("stands next to nothing" if home is None else "says nothing of a plan")
                 self.left.append(Left(text.handle, text.layer, text.drawn_as, where))
             else:
-                beside.setdefault(home.handles[0], []).append(text.text)
-        return beside, of_walls
+                adjacent.setdefault(home.handles[0], []).append(text.text)
+        return adjacent, of_walls
 
     def _wall_tables(self, of_walls: dict[int, list[Note]]) -> list[dict[str, Any]]:
         tables, without, names = [], [], set[str]()
@@ -247,14 +247,14 @@ class _Reader:
             self.faults = {wall.name: Fault(self.name, said) for wall in without}
         return tables
 
-    def _openings(self, openings: Sequence[Drawn], beside: dict[str, list[str]], walls: list[dict[str, Any]]) -> None:
+    def _openings(self, openings: Sequence[Drawn], adjacent: dict[str, list[str]], walls: list[dict[str, Any]]) -> None:
         for one in openings:
             fitted = fit(one, self.walls)
             if fitted is None:
                 self._leave(one, "no wall within 0.3 m")
                 continue
             wall = walls[fitted.wall]
-            made, assumed, dropped = opening_tables(fitted, one, beside.get(one.handles[0], []), self.walls[fitted.wall].thickness)
+            made, assumed, dropped = opening_tables(fitted, one, adjacent.get(one.handles[0], []), self.walls[fitted.wall].thickness)
             wall["openings"] += made
             where = f"{one.layer} {one.handles[0]}, wall {wall['name']} at {fitted.at:.2f} m"
             self.notes += [f"{self.name}: opening {where}: {said}" for said in dropped]
@@ -265,10 +265,10 @@ class _Reader:
             if not wall["openings"]:
                 del wall["openings"]
 
-    def _elements(self, things: Sequence[Drawn], beside: dict[str, list[str]], role: str) -> list[dict[str, Any]]:
+    def _elements(self, things: Sequence[Drawn], adjacent: dict[str, list[str]], role: str) -> list[dict[str, Any]]:
         made = []
         for one in things:
-            texts = [marks.read(text) for text in (*beside.get(one.handles[0], []), one.text)]
+            texts = [marks.read(text) for text in (*adjacent.get(one.handles[0], []), one.text)]
             table = vault_table(one, texts) if role == "vaults" else column_table(one, texts, self.keys.wall_height)
             if isinstance(table, str):
                 self._leave(one, table)

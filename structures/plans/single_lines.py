@@ -20,7 +20,7 @@ from structures.plans.entities import Entity
 
 MOST_BARE = 0.4  # share of the lines that belong to no wall: more are no faces; of plans in faces it is a few hundredths
 BARE = 0.15  # share from which on it is a sign
-BESIDE = 0.05  # of a line from the wall whose face it is [m]
+NEAR = 0.05  # of a line from the wall whose face it is [m]
 THICK = 1.0  # a wall thinner than this holds no room, and some wall of a building is [m]
 REMEDY = "single lines, one for each wall, belong to structure.layers.axes, with structure.wall_thickness"
 ROOMS = re.compile(
@@ -40,7 +40,7 @@ def signs(edges: Sequence[Edge], walls: Sequence[WallAxis], texts: Sequence[Enti
         texts: of the drawing.
     """
     bare, rooms, thinnest = bare_share(edges, walls), _rooms(walls, texts), min(wall.thickness for wall in walls)
-    found = [f"{100.0 * bare:.0f} % of the length of the lines on layers of walls is no face of a wall"] if bare > BARE else []
+    found = [f"{100.0 * bare:.0f} % of the length of the lines on layers of walls is not a face of a wall"] if bare > BARE else []
     found += [f"{words} stands in wall {wall.name}, {wall.thickness:.3g} m thick" for words, wall in rooms[:2]]
     found += [f"no wall is thinner than {thinnest:.3g} m"] if edges and thinnest > THICK else []
     sure = bare > MOST_BARE or (bool(rooms) and (bare > BARE or thinnest > THICK))
@@ -54,7 +54,7 @@ def bare_share(edges: Sequence[Edge], walls: Sequence[WallAxis]) -> float:
     lines = shapely.union_all([_line(edge) for edge in edges]) if edges else None
     if lines is None or not lines.length > 0.0:
         return 0.0
-    return float(lines.difference(shapely.union_all([wall.ground(BESIDE, "square") for wall in walls])).length / lines.length)
+    return float(lines.difference(shapely.union_all([wall.ground(NEAR, "square") for wall in walls])).length / lines.length)
 
 
 def _line(edge: Edge) -> Any:

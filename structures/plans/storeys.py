@@ -37,7 +37,7 @@ def stacked(storeys: Sequence[StoreyTable], folder: Path, keys: Mapping[str, Any
     for k, storey in enumerate(storeys):
         try:
             if Path(storey.plan).suffix.lower() != ".dxf":
-                raise InputError("structure.plan", f'"{storey.plan}" is no drawing in DXF')
+                raise InputError("structure.plan", f'"{storey.plan}" is not a drawing in DXF')
             plans.append(open_plan(folder / storey.plan, {**keys, "wall_height": storey.height}, plans[0].origin if plans else None))
         except InputError as error:
             own = f"structure.storeys[{k}].plan"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines on an assessment: which assumption decides, the effect of chance, which runs are no data."""
+"""Lines on an assessment: which assumption decides, the effect of chance, which runs have no result."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ FAILED = RunRow("failed", "blocks overlap", 0.1)
 def test_runs_without_data_and_runs_that_missed_are_named() -> None:
     found = made({("friction", "0.4"): FAILED, ("joint stiffness", "E 3.3 GPa"): row(120.0, steps_missed=3)})
     said = warnings_of(found)
-    assert "friction 0.4: no data: blocks overlap" in said
+    assert "friction 0.4: no result: blocks overlap" in said
     assert "1 run missed the tolerance in some steps (marked *): joint stiffness E 3.3 GPa" in said
     assert found.bar(KNOWN[1], DISPLACEMENT).values == (("0.6", pytest.approx(0.098)),)
 
@@ -131,5 +131,5 @@ def test_it_is_read_as_it_was_written(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no assessment was made there"):
         read_assessment(tmp_path / "nothing")
     (tmp_path / "assess.json").write_text('{"title": 1}', encoding="utf-8")
-    with pytest.raises(InputError, match="is no assessment"):
+    with pytest.raises(InputError, match="is not an assessment"):
         read_assessment(tmp_path)

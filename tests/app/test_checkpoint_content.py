@@ -174,7 +174,7 @@ def test_the_one_before_is_taken_where_the_last_is_no_good(stopped, tmp_path):
     arrays, numbers = checkpoint.load(saved)
     checkpoint.save(saved, arrays | {"position": arrays["position"][:-1]}, numbers)  # the good one becomes the one before
     result = done(*asked(name, out), "--resume")
-    assert "the run continues from the one before" in result.stderr
+    assert "the run continues from the previous checkpoint" in result.stderr
     assert contents(out / "result.h5") == contents(folder.with_name("tried") / "result.h5")
 
 

@@ -250,7 +250,7 @@ def test_a_code(add):
         parse_table(CheckTable, asked, "limit.check")
     add("masonry_cd.analysis.code_check.codes", "sia269", SWISS)
     table = parse_table(CheckTable, asked, "limit.check")
-    assert table.by.height == "9.2" and not table.by_displacements
+    assert table.by.height == "9.2" and not table.checks_displacements
     with refused_at("limit.check"):
         parse_table(CheckTable, asked | {"limit_state": "SLV"}, "limit.check")
     assert "SIA269" in table_schema(CheckTable)["properties"]["code"]["enum"]

@@ -300,7 +300,7 @@ def test_springs_of_spheres_are_refused(tmp_path: Path, pair: str) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_stones_beside_spheres_have_springs_by_default(tmp_path: Path) -> None:
+def test_stones_next_to_spheres_have_springs_by_default(tmp_path: Path) -> None:
     """The law of the stones; what is said of spheres alone is refused there too."""
     blocks = [cuboid((-1.0, -1.0, -0.5), (1.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}]
     blocks.append(cuboid((-0.2, -0.2, 0.0), (0.2, 0.2, 0.4)) | {"name": "stone", "group": "stones"})

@@ -50,11 +50,11 @@ def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path
     assert held.load_factor.given_way is None
     assert closing_lines(held)[2] == "load factor: 0.35 at the end, and the structure had not given way"
     assert vars(held.load_factor.limit_analysis) == pytest.approx({"least_found": 0.4, "associated": 0.4}, abs=1e-6)
-    assert closing_lines(held)[3] == "limit analysis: 0.4; how joints slide makes no difference here"
+    assert closing_lines(held)[3] == "limit analysis: 0.4; dilation of sliding joints makes no difference here"
     assert NOT_THE_LEAST not in closing_lines(held)  # there is one factor only
 
 
-def test_the_bracket_of_limit_analysis_stands_beside_a_factor_of_rigid_blocks_that_sliding_decides() -> None:
+def test_the_bracket_of_limit_analysis_stands_next_to_a_factor_of_rigid_blocks_that_sliding_decides() -> None:
     bracket = LimitBracket(least_found=0.3558, associated=0.40369)
     factor = LoadFactor(end=0.4, limit=2e-3, given_way=0.389, given_way_time=1.0, rigid=True, limit_analysis=bracket)
     first, several, line = factor_lines(factor)
@@ -65,7 +65,7 @@ def test_the_bracket_of_limit_analysis_stands_beside_a_factor_of_rigid_blocks_th
     assert NOT_THE_LEAST not in factor_lines(factor.model_copy(update={"rigid": False, "limit_analysis": None}))
 
 
-def test_a_slab_wedged_between_cheeks_has_its_least_factor_beside_the_one_of_the_solver(tmp_path: Path) -> None:
+def test_a_slab_wedged_between_cheeks_has_its_least_factor_next_to_the_one_of_the_solver(tmp_path: Path) -> None:
     """In space: it leans out alone at b/h = 1/6, and friction on cheeks that nothing presses may bear any multiple."""
     cheeks = [box(name, (x, -0.5, 0.0), (x + 1.0, 1.0, 3.0), fixed=True) for name, x in (("left", -1.5), ("right", 0.5))]
     blocks = [ground(4.0), *cheeks, box("slab", (-0.5, 0.0, 0.0), (0.5, 0.5, 3.0))]
@@ -203,7 +203,7 @@ def test_a_mass_on_a_pillar_is_pushed_with_it_and_is_part_of_its_oscillator(tmp_
     assert not any("without mass" in line for line in said(case))
 
 
-def test_a_force_without_mass_is_said_beside_a_check(tmp_path: Path) -> None:
+def test_a_force_without_mass_is_said_next_to_a_check(tmp_path: Path) -> None:
     """The push does not move it: it steadies the pillar, and e* is of the block alone."""
     case = limit_case(scene(tmp_path, pillar(), f"{TOP}[limit]\npush = 'x'\n{CHECK}displacements = false\n"))
     made = steps(case)

@@ -142,7 +142,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
 
     def go_on() -> None:
         m = machine(checkpoint_every=0.0)
-        checkpoint.mend(saved)
+        checkpoint.repair(saved)
         numbers = checkpoint.load(saved)[1]
         with ResultWriter.resumed(path, numbers["rows"], numbers["mark"]) as writer:
             run(m, find_joints(m.assembly), writer, RunPlan(STEPS, 7), leave if steps else None, Checkpoints(saved, resume=True))
@@ -176,7 +176,7 @@ def assert_reads(path: Path, saved: Path) -> int:
         if path.exists():
             Results.open(path).file.close()
         return 0
-    assert checkpoint.mend(saved) == ""
+    assert checkpoint.repair(saved) == ""
     with Results.open(path) as found:
         rows = checkpoint.load(saved)[1]["rows"]
         assert all(len(found.file[name]) >= count for name, count in rows.items())
@@ -202,7 +202,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
     with monkeypatch.context() as older:
         older.setattr(checkpoint, "FORMAT", checkpoint.FORMAT - 1)
         checkpoint.save(saved, {"a": np.ones(2)}, {"rows": 3})
-    with pytest.raises(InputError, match="written by an older version of masonry_cd"):
+    with pytest.raises(InputError, match="of an older version of masonry_cd"):
         checkpoint.load(saved)
 
 
@@ -217,12 +217,12 @@ def test_the_report_adds_up(unbroken):
     assert report.balance_error < 1e-10
 
 
-def test_lifts_out_of_overlaps_are_reported_beside_the_balance():
+def test_lifts_out_of_overlaps_are_reported_next_to_the_balance():
     assert RunReport().lift_share == 0.0
     assert RunReport(work_max=200.0, energy={"correction": 5.0}).lift_share == pytest.approx(0.025)
 
 
-def test_a_balance_beside_no_work_has_a_measure_of_its_own():
+def test_a_balance_next_to_no_work_has_a_measure_of_its_own():
     report = RunReport(fall=2.0, balance_max=1e-11, work_max=1e-25)
     assert report.balance_error == pytest.approx(1e14)  # nothing was solved yet: no other measure
     energy = dict.fromkeys((*ENERGIES, "kinetic"), 0.0) | {"balance": 1e-11}

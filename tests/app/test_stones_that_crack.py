@@ -230,7 +230,7 @@ def test_pieces_without_a_strength_are_refused(tmp_path: Path) -> None:
 
 def test_groups_that_are_none_and_groups_that_cannot_crack_are_refused(tmp_path: Path) -> None:
     blocks, scene = lintel(0.3)
-    for group, message in (("lintl", 'material.stones.lintl: "lintl" is no group'), ("base", "no block of it moves")):
+    for group, message in (("lintl", 'material.stones.lintl: "lintl" is not a group'), ("base", "no block of it moves")):
         scene["material"]["stones"] = {group: {"tensile_strength": STRENGTH, "young": YOUNG}}
         with pytest.raises(InputError, match=message):
             run_in(tmp_path, blocks, scene)

@@ -302,7 +302,7 @@ loads = [{ kind = "sinusoidal", direction = "y", amplitude = 0.3, frequency = 3.
 """
 
 
-def test_what_rings_cost_is_tabled_beside_three_points_and_rings_in_all_joints(tmp_path: Path) -> None:
+def test_what_rings_cost_is_tabled_next_to_three_points_and_rings_in_all_joints(tmp_path: Path) -> None:
     scene = tmp_path / "wall.toml"
     scene.write_text(WALL)
     _, _, *rows = costs(scene, [], 60).splitlines()

@@ -16,7 +16,7 @@ LINE = "masonry-cd: error: a.toml:3: run.dt: missing\n"
 REFUSED = promises.Outcome(2, "", LINE, 0.1, 3e8, False, (), False)
 DONE = promises.Outcome(0, "written\n", "masonry-cd: warning: coarse\n", 0.1, 3e8, False, (), True)
 STOPPED = promises.Outcome(
-    130, "", "masonry-cd: warning: the run ended early, interrupted\nmasonry-cd: go on with: x\n", 1.0, 3e8, True, (), True
+    130, "", "masonry-cd: warning: the run ended early, interrupted\nmasonry-cd: continue with: x\n", 1.0, 3e8, True, (), True
 )
 
 

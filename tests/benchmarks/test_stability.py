@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.counted_cost import BESIDE, counted
+from benchmarks.counted_cost import OUTSIDE_SOLVER, counted
 from benchmarks.ours import stepper
 from benchmarks.scenes import arch, tower
 from benchmarks.stability import DRIFT, StabilityCase, cases, main, row, run
@@ -112,7 +112,7 @@ def test_costs_of_steps_are_counted():
             for _ in range(60):
                 report = machine.step()
                 cost.end_step(report.contacts)
-                assert (cost.steps[-1] == BESIDE * report.contacts) == (report.iterations == 0)
+                assert (cost.steps[-1] == OUTSIDE_SOLVER * report.contacts) == (report.iterations == 0)
         costs.append(cost)
     assert [method.solve for method in methods] == before
     assert costs[0].steps == costs[1].steps

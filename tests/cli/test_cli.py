@@ -271,7 +271,7 @@ SHAKEN = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duratio
         (Detector, "detect", 77),
         (Islands, "solve", 77),
         (Recorder, "step", 77),
-        (Recorder, "frame", 3),
+        (Recorder, "write_frame", 3),
         (ResultWriter, "append", 8),
         (ResultWriter, "flush", 2),
     ],
@@ -303,9 +303,9 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 128 + number
     advice = result.stderr.splitlines()[-1]
-    assert advice == f"masonry-cd: go on with: masonry-cd run {scene} -o {out} -q --set run.duration=0.01 --resume"
+    assert advice == f"masonry-cd: continue with: masonry-cd run {scene} -o {out} -q --set run.duration=0.01 --resume"
     assert json.loads((out / "summary.json").read_text())["steps"] == 5
-    result = masonry_cd(*advice.split()[5:])
+    result = masonry_cd(*advice.split()[4:])
     assert result.exit_code == 0 and "of the cycles" in result.stderr  # 0.01 s are 2 % of its load
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert not list(out.glob("checkpoint*"))
@@ -322,8 +322,8 @@ def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path,
     assert summary["provisional"].startswith("provisional: interrupted after step 60")
     assert summary["parts"][-1]["provisional"] == summary["provisional"]
     assert (out / "damage.csv").exists()
-    assert f"grades, mechanisms and what is left are {summary['provisional']}" in result.stdout
-    assert result.stderr.splitlines()[-1].startswith("masonry-cd: go on with: masonry-cd run ")
+    assert f"grades, mechanisms and residual values are {summary['provisional']}" in result.stdout
+    assert result.stderr.splitlines()[-1].startswith("masonry-cd: continue with: masonry-cd run ")
     for number in (signal.SIGINT, signal.SIGTERM):
         with monkeypatch.context() as pressed:
             signals_in(pressed, Stepper, "step", 60, number)
@@ -333,7 +333,7 @@ def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path,
         assert result.exit_code == 128 + number
         assert not (tmp_path / str(number) / "damage.csv").exists()
         assert bool(drawn) == (number == signal.SIGINT)
-        assert "go on with: masonry-cd run" in result.stderr
+        assert "continue with: masonry-cd run" in result.stderr
 
 
 def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeypatch):
@@ -390,7 +390,7 @@ def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkey
         pressed.setattr(damage_files, "write_joint_damage", lambda *_: signal.raise_signal(signal.SIGINT))
         result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 130
-    assert "go on with: masonry-cd run" in result.stderr
+    assert "continue with: masonry-cd run" in result.stderr
     assert not (out / "summary.json").exists()
     before = contents(out / "result.h5")
     assert masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01", "--resume").exit_code == 0
@@ -419,7 +419,7 @@ def test_a_damaged_checkpoint_is_one_line_or_gives_way_to_the_one_before(block_o
     assert "checkpoint.npz: not a readable checkpoint" in result.stderr
     older.write_bytes(kept)
     result = done(*asked, "--resume")
-    assert "the run continues from the one before" in result.stderr
+    assert "the run continues from the previous checkpoint" in result.stderr
     assert json.loads((out / "summary.json").read_text())["steps"] == 20
 
 
@@ -433,7 +433,7 @@ def test_a_checkpoint_continues_its_own_results_alone(block_on_plate, tmp_path, 
     before = (tmp_path / "two" / "result.h5").read_bytes()
     result = masonry_cd("run", scene, "-o", tmp_path / "two", "-q", "--resume")
     assert result.exit_code == 2
-    assert result.stderr.endswith("result.h5: the checkpoint next to it belongs to other results: it cannot be resumed\n")
+    assert result.stderr.endswith("result.h5: the checkpoint next to it belongs to other results, so the run cannot be resumed\n")
     assert len(result.stderr.splitlines()) == 1
     assert (tmp_path / "two" / "result.h5").read_bytes() == before
 

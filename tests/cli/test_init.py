@@ -76,7 +76,7 @@ def test_a_starter_is_built_and_runs(kind, tmp_path):
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 5
 
 
-def test_the_first_line_names_the_schema_that_lies_beside_it(tmp_path):
+def test_the_first_line_names_the_schema_that_lies_next_to_it(tmp_path):
     init("wall", "-o", tmp_path / "new" / "scene.toml")
     first = (tmp_path / "new" / "scene.toml").read_text().splitlines()[0]
     assert first == f"#:schema ./{SCHEMA}"
@@ -150,9 +150,9 @@ def test_without_a_display_or_a_browser_it_is_said_where_the_page_lies(run, open
 @pytest.mark.parametrize(
     ("there", "folder", "remedy"),
     [
-        ("result.h5", "", "masonry-cd report {} --html makes it"),
-        ("study.json", "", "masonry-cd study STUDY -o {} --report makes it"),
-        ("other", "", "and no result.h5"),
+        ("result.h5", "", "write it with masonry-cd report {} --html"),
+        ("study.json", "", "masonry-cd study STUDY -o {} --report"),
+        ("other", "", "nor result.h5"),
         ("other", "none", "no such folder"),
         ("other", "other", "is a file"),
     ],

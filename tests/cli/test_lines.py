@@ -48,7 +48,7 @@ def test_times_that_rests_cut_short_take_away_are_reported(tmp_path: Path) -> No
     asked = Report(times=[0.1, 0.3, 9.0])
     with Results.open(write_run(tmp_path / "run.h5", blocks, [at_rest(blocks)] * 4)) as results:
         more = outputs.write_asked(results, tmp_path, asked, Summary(warnings=("another",)))
-    assert more.warnings == ("another", "report.times: no map at 9 s: the run, whose rests were cut short, ends at 0.3 s")
+    assert more.warnings == ("another", "report.times: no map at 9 s: the run, whose quiet times were skipped, ends at 0.3 s")
     assert {path.name for path in tmp_path.glob("*.png")} == {"crack_map_0.1s.png", "crack_map_0.3s.png"}
 
 
@@ -103,7 +103,7 @@ def test_one_that_is_named_at_its_place_is_none(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_beside_a_refusal_it_says_nothing(capsys):
+def test_next_to_a_refusal_it_says_nothing(capsys):
     with pytest.raises(typer.Exit) as ended, errors_reported():
         np.array([1e308]) * 10.0
         raise InputError("material.density", "not finite")

@@ -99,7 +99,7 @@ def test_type_checkers_take_the_short_scripts(tmp_path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::masonry_cd.interface.returned.RunWarning")
-def test_our_lines_beside_other_programs_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_our_lines_next_to_other_programs_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (ROOT / "docs" / "other_programs.md").read_text(encoding="utf-8")
     shutil.copytree(EXAMPLES, tmp_path / "examples")
     monkeypatch.chdir(tmp_path)

@@ -176,7 +176,7 @@ def python(folder: Path, *arguments: str, path: tuple[Path, ...] = ()) -> subpro
 
 
 @pytest.mark.parametrize("name", PACKAGES)
-def test_a_file_beside_a_script_is_named_with_the_remedy(tmp_path: Path, name: str) -> None:
+def test_a_file_next_to_a_script_is_named_with_the_remedy(tmp_path: Path, name: str) -> None:
     (tmp_path / f"{name}.py").write_text("mine = 1\n")
     (tmp_path / "script.py").write_text("from masonry_cd.app.scene import read_scene\n")
     ended = python(tmp_path, "script.py")

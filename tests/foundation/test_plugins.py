@@ -19,7 +19,7 @@ from places import ROOT
 
 import masonry_cd as mc
 from masonry_cd.foundation import plugins
-from masonry_cd.foundation.trust import VARIABLE, trusted
+from masonry_cd.foundation.trust import VARIABLE, is_trusted
 from masonry_cd.interface import protocols
 from masonry_cd.interface.events import EVENTS
 from masonry_cd.studies.assess.assumptions import assumptions_of
@@ -176,7 +176,7 @@ def test_a_file_of_the_users_runs_only_where_the_command_line_trusts_it(tmp_path
     exit_code, said = command(*asked, "--trust")
     assert exit_code == 0, said
     assert mark.exists()
-    assert command(*asked, "--force")[0] == 2 and not trusted()  # it holds for one command
+    assert command(*asked, "--force")[0] == 2 and not is_trusted()  # it holds for one command
     for name, words in (("own.py:no", 'own.py defines no "no"'), ("none.py:build", "no file")):
         exit_code, said = command(*asked, "--force", "--trust", "--set", f"structure.kind={name}")
         assert exit_code == 2 and words in said

@@ -22,26 +22,26 @@ READ = [
     ("0.5 turn", "degrees", 180.0), ("4 GB", "GB", 4.0), ("0 mm", "m", 0.0), ("35 mm", "m", 0.035), ("0.3 kN·s/s", "N", 300.0),
 ]  # fmt: skip
 REFUSED = [
-    ("30 kN", "m", '"kN" is no unit of a length; write a number in m, or one with its unit, "30 mm"'),
+    ("30 kN", "m", '"kN" is not a unit of a length; write a number in m, or one with its unit, "30 mm"'),
     ("17 kN/m3", "kg/m3", '"kN/m3" is of a weight, not of a density; over g = 9.80665 m/s2 that is "1733.5 kg/m3"'),
     ("1.2 kN/m2", "kg/m2", '"kN/m2" is of a weight, not of a mass per area; over g = 9.80665 m/s2 that is "122.37 kg/m2"'),
     ("30", "m", '"30" states no unit; write a number in m, or one with its unit, "30 mm"'),
-    ("0,3 m", "m", '"0,3 m" is no number with a unit; write a number in m, or one with its unit, "30 mm", with a decimal point'),
-    ("3 furlong/fortnight2/foo", "m", '"foo" is no known unit'),
-    ("5 Mpa", "Pa", '"Mpa" is no known unit (did you mean "MPa"?)'),
-    ("5 kn", "N", '"kn" is no unit of a force (did you mean "kN"?)'),  # to pint they are knots
-    ("0.25 G", "m/s2", '"G" is no unit of an acceleration (did you mean "g"?)'),
-    ("6 rad/s", "Hz", '"rad/s" is no unit of a frequency'),
-    ("6 rpm", "Hz", '"rpm" is no unit of a frequency'),
-    ("20 degC", "m", '"degC" is no unit of a length'),
-    ("20 degC/m", "m", '"degC/m" is no unit of a length'),
-    ("20 dB", "Hz", '"dB" is no unit of a frequency'),
-    ("3 %", "m", '"%" is no known unit'),
-    ("2 m/", "m", '"m/" is no known unit'),
-    ("1 m**9999", "m", '"m^9999" is no known unit'),
-    ("1 __class__", "m", '"__class__" is no known unit'),
-    ("1 (((((", "m", '"(((((" is no known unit'),
-    ("1 " + "m" * 500, "m", "is no known unit"),
+    ("0,3 m", "m", '"0,3 m" is not a number with a unit; write a number in m, or one with its unit, "30 mm", with a decimal point'),
+    ("3 furlong/fortnight2/foo", "m", '"foo" is not a known unit'),
+    ("5 Mpa", "Pa", '"Mpa" is not a known unit (did you mean "MPa"?)'),
+    ("5 kn", "N", '"kn" is not a unit of a force (did you mean "kN"?)'),  # to pint they are knots
+    ("0.25 G", "m/s2", '"G" is not a unit of an acceleration (did you mean "g"?)'),
+    ("6 rad/s", "Hz", '"rad/s" is not a unit of a frequency'),
+    ("6 rpm", "Hz", '"rpm" is not a unit of a frequency'),
+    ("20 degC", "m", '"degC" is not a unit of a length'),
+    ("20 degC/m", "m", '"degC/m" is not a unit of a length'),
+    ("20 dB", "Hz", '"dB" is not a unit of a frequency'),
+    ("3 %", "m", '"%" is not a known unit'),
+    ("2 m/", "m", '"m/" is not a known unit'),
+    ("1 m**9999", "m", '"m^9999" is not a known unit'),
+    ("1 __class__", "m", '"__class__" is not a known unit'),
+    ("1 (((((", "m", '"(((((" is not a known unit'),
+    ("1 " + "m" * 500, "m", "is not a known unit"),
     ("1e999 m", "m", "is beyond the range of numbers"),
     ("1e-300 m", "m", "is beyond the range of numbers"),
 ]
@@ -62,7 +62,7 @@ def test_what_is_no_number_in_the_unit_is_refused_in_a_line(text: str, unit: str
 def test_the_examples_in_messages_and_the_units_that_are_suggested_are_themselves_read() -> None:
     assert [number_in(kind.example, unit) for unit, kind in KINDS.items()]
     for name in COMMON:
-        with pytest.raises(UnitError, match="is no unit of a size of memory"):
+        with pytest.raises(UnitError, match="is not a unit of a size of memory"):
             number_in(f"1 {name}", "GB")
 
 
@@ -110,12 +110,12 @@ def test_keys_of_a_table_are_read_wherever_their_numbers_stand() -> None:
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({"length": "30 kN"}, 'outer.length: "kN" is no unit of a length; '),
+        ({"length": "30 kN"}, 'outer.length: "kN" is not a unit of a length; '),
         ({"length": "3 m"}, "outer.length: input should be less than or equal to 1, got 3.0 m"),
-        ({"places": [0.5, "3 s"]}, 'outer.places[1]: "s" is no unit of a length; '),
-        ({"strength": {"arch": "5 m"}}, 'outer.strength.arch: "m" is no unit of a stress; '),
+        ({"places": [0.5, "3 s"]}, 'outer.places[1]: "s" is not a unit of a length; '),
+        ({"strength": {"arch": "5 m"}}, 'outer.strength.arch: "m" is not a unit of a stress; '),
         ({"laws": {"a-b": {"force": "3"}}}, 'outer.laws.a-b.force: "3" states no unit; '),
-        ({"later": [{"force": "4 m"}]}, 'outer.later[0].force: "m" is no unit of a force; '),
+        ({"later": [{"force": "4 m"}]}, 'outer.later[0].force: "m" is not a unit of a force; '),
         ({"length": "wide"}, "outer.length: input should be a valid number, got 'wide'"),
     ],
 )

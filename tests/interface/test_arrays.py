@@ -41,7 +41,7 @@ def test_pairs_dicts_and_blocks_are_the_same_blocks_as_those_of_a_file(tables: d
             assert one.faces == other.faces
 
 
-def test_spheres_stand_beside_polyhedra(tables: dict[str, Any]) -> None:
+def test_spheres_stand_next_to_polyhedra(tables: dict[str, Any]) -> None:
     ground, ball = mc.box((-1, -1, -1), (1, 1, 0)), {"centre": np.array([0.0, 0.0, 0.3]), "radius": 0.3, "group": "balls"}
     made = mc.scene(tables | {"structure": {"blocks": [ground, ball], "fixed": "b0"}}).structure
     again = mc.scene(tables | {"structure": list(made)}).structure
@@ -50,7 +50,7 @@ def test_spheres_stand_beside_polyhedra(tables: dict[str, Any]) -> None:
     assert made.table["volume"].iloc[1] == pytest.approx(4 / 3 * np.pi * 0.027)
 
 
-def test_keys_of_a_structure_stand_beside_its_blocks(tables: dict[str, Any]) -> None:
+def test_keys_of_a_structure_stand_next_to_its_blocks(tables: dict[str, Any]) -> None:
     apart = [mc.box((-1, -1, -1), (1, 1, 0)), mc.box((-0.3, -0.3, 0.001), (0.3, 0.3, 1))]
     made = mc.scene(tables | {"structure": {"blocks": apart, "fixed": "b0", "gaps": 0.002}}).structure
     assert made["b0"].vertices[:, 2].max() == pytest.approx(made["b1"].vertices[:, 2].min(), abs=1e-15)

@@ -50,7 +50,7 @@ def test_pictures_are_images_and_the_page_shows_itself(bare: mc.LimitAnalysis, t
     assert bare.folder is None and bare.check is None
     for picture in (bare.mechanism(), bare.thrust("front")):
         assert np.asarray(picture.convert("RGB")).std() > 1.0
-    assert "How good the answer is" in bare.write(tmp_path / "page")._repr_html_()
+    assert "Accuracy of the result" in bare.write(tmp_path / "page")._repr_html_()
 
 
 def test_the_capacity_curve_is_that_of_the_command(whole: mc.LimitAnalysis) -> None:

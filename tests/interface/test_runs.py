@@ -281,7 +281,7 @@ def test_motions_and_forces_of_python_count_as_well(tables: dict[str, Any]) -> N
     assert "b2" in row["load"] and row["share"] == pytest.approx(0.5, abs=0.02) and checked(run)["Loads"] == "look"
 
 
-def test_a_block_that_falls_beside_its_warning_is_not_good() -> None:
+def test_a_block_that_falls_next_to_its_warning_is_not_good() -> None:
     blocks = [mc.box((-1, -1, -0.5), (1, 1, 0)), mc.box((-0.5, -0.5, 0.1), (0.5, 0.5, 1.1))]
     scene = {
         "structure": {"blocks": blocks, "fixed": "b0"},

@@ -150,7 +150,7 @@ def test_events_come_once_and_a_function_may_stop_the_run(tables: dict[str, Any]
     opened = [joint for what, joint in happened if what == "opening"]
     assert opened and len(opened) == len(set(opened))
     assert sum(what == "step" for what, _ in happened) == sim.steps and not sim.done
-    with pytest.raises(mc.InputError, match='"opened" is no event'):
+    with pytest.raises(mc.InputError, match='"opened" is not an event'):
         sim.on("opened", print)
     sim.on("step", lambda sim: sim.step())
     with pytest.raises(mc.InputError, match="in the middle of a step"):

@@ -229,7 +229,7 @@ def folder_plots(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder_plots
 
 
-def test_the_curves_of_all_runs_are_laid_over_each_other_beside_the_measured_one(folder_plots: Path) -> None:
+def test_the_curves_of_all_runs_are_laid_over_each_other_next_to_the_measured_one(folder_plots: Path) -> None:
     (folder_plots / "test.csv").write_text("displacement [m],force [N]\n0,0\n0.001,2000\n0.004,2900\n")
     figure = plots_of(folder_plots, "low", "lost", "high").force_displacement(measured=folder_plots / "test.csv")
     lines = {str(line.get_label()): line for line in figure.axes[0].get_lines() if not str(line.get_label()).startswith("_")}

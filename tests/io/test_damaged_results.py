@@ -151,11 +151,11 @@ def test_what_precedes_the_damage_is_reported_with_a_word(stopped, tmp_path):
         assert np.array_equal(results.time, kept.time[:good])
         assert len(results.per_step("penetration")) == rows[last, names.index("penetration")]
         assert results.words == (
-            f"{out / 'result.h5'}: damaged; what follows {kept.time[good - 1]:.6g} s is left out ({good} frames hold)",
+            f"{out / 'result.h5'}: damaged; data after {kept.time[good - 1]:.6g} s is left out ({good} frames are intact)",
         )
     result = masonry_cd("report", out, "--no-crack-map")
     assert (result.exit_code, len(result.stderr.splitlines())) == (0, 1)
-    assert "result.h5: damaged; what follows" in result.stderr
+    assert "result.h5: damaged; data after" in result.stderr
 
 
 def test_peaks_that_are_damaged_give_way_to_those_of_the_frames(stopped, tmp_path):
@@ -163,7 +163,7 @@ def test_peaks_that_are_damaged_give_way_to_those_of_the_frames(stopped, tmp_pat
     with h5py.File(out / "result.h5", "r+") as file:
         file["joints/peak/opening"][0] = 7.0
     result = done("report", out, "--no-crack-map")
-    assert result.stderr.endswith("the largest measures of the joints are damaged; those of the frames are taken\n")
+    assert result.stderr.endswith("the largest values of the joints are damaged; the largest values of the frames are used\n")
     assert "7.0" not in (out / "joints.csv").read_text()
 
 
@@ -175,7 +175,7 @@ def test_results_of_a_newer_format_are_refused_and_older_ones_read(stopped, tmp_
         file.attrs["format"] = FORMAT + 1
     result = masonry_cd("report", out, "--no-crack-map")
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
-    assert f"result.h5: of format {FORMAT + 1}, which a newer masonry_cd wrote" in result.stderr
+    assert f"result.h5: has format {FORMAT + 1} of a newer masonry_cd" in result.stderr
     with h5py.File(out / "result.h5", "r+") as file:
         for name in ("format", "constant", "inputs"):
             del file.attrs[name]
@@ -192,20 +192,20 @@ def test_results_of_a_newer_format_are_refused_and_older_ones_read(stopped, tmp_
 @pytest.mark.parametrize(
     ("name", "change", "message"),
     [
-        ("joints/block_a", lambda a: a + 99, "points beyond what there is"),
-        ("blocks/loops", lambda a: a + 99, "points beyond what there is"),
-        ("blocks/loop_start", lambda a: a[::-1], "does not divide its"),
-        ("joints/polygon_start", lambda a: a * 2, "does not divide its"),
+        ("joints/block_a", lambda a: a + 99, "has indices out of range"),
+        ("blocks/loops", lambda a: a + 99, "has indices out of range"),
+        ("blocks/loop_start", lambda a: a[::-1], "does not partition its"),
+        ("joints/polygon_start", lambda a: a * 2, "does not partition its"),
         ("joints/normal", lambda a: a[:, :2], "should have the shape"),
-        ("blocks/density", lambda a: a.astype("S8"), "is not what a run writes (real numbers"),
+        ("blocks/density", lambda a: a.astype("S8"), "should have real numbers"),
         ("joints/area", None, "not the result of a run"),
         ("blocks/fixed", lambda a: a[:1], "should have the shape"),
-        ("position", lambda a: a[:, :1], "position is not what a run writes"),
-        ("joints/opening", lambda a: a.astype(int), "joints/opening is not what a run writes"),
+        ("position", lambda a: a[:, :1], "position should have real numbers"),
+        ("joints/opening", lambda a: a.astype(int), "joints/opening should have real numbers"),
         ("peaks/drift", lambda a: a[:1], "peaks/level_displacement should have the shape"),
         ("peaks/hinge_place", lambda a: a[:, :2], "peaks/hinge_place should have the shape"),
-        ("peaks/displacement", None, "peaks/displacement is not what a run writes"),
-        ("blocks/support", lambda a: a * 0 + 1, "blocks/support is no support"),
+        ("peaks/displacement", None, "peaks/displacement should have real numbers"),
+        ("blocks/support", lambda a: a * 0 + 1, "blocks/support is not a support"),
     ],
 )
 def test_arrays_that_no_run_writes_are_named(stopped, tmp_path, name, change, message):
@@ -232,7 +232,7 @@ def test_a_dataset_that_announces_more_than_the_file_holds_is_not_read(stopped, 
     with h5py.File(out / "result.h5", "r+") as file:
         del file["joints/area"]
         file.create_dataset("joints/area", shape=(1 << 50,), chunks=(1024,), dtype=float)
-    with pytest.raises(InputError, match="joints/area is larger than what the file holds of it"):
+    with pytest.raises(InputError, match="joints/area has more entries than the file stores"):
         Results.open(out / "result.h5")
 
 
@@ -249,4 +249,4 @@ def test_a_summary_of_another_shape_is_one_line_and_is_written_anew(stopped, tmp
     (out / "summary.json").write_text('{"format": 99}')
     result = masonry_cd("report", out, "--no-crack-map")
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
-    assert "summary.json: of format 99, which a newer masonry_cd wrote" in result.stderr
+    assert "summary.json: has format 99 of a newer masonry_cd" in result.stderr

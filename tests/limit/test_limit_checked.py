@@ -72,7 +72,7 @@ def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
     page = (folder / "limit.html").read_text()
     assert page.count('<span class="verdict look">not decided</span>') == 2
     assert (
-        '<span class="verdict look">not decided</span> linear check: ' in page and "linear check, not decided: borne over required" in page
+        '<span class="verdict look">not decided</span> linear check: ' in page and "linear check, not decided: capacity over demand" in page
     )
     assert not any(f"{word}</span> linear check" in page for word in (">satisfied", "NOT satisfied"))
 

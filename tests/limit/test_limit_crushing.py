@@ -35,7 +35,7 @@ def test_joints_that_crush_are_said_and_written(tmp_path):
     case = limit_case(scene(tmp_path, '"117.72 kPa"'))
     assert case.whole.analysis.associated.factor == pytest.approx(0.5 / 1.5 * (1.0 - WEIGHT / 117.72e3), rel=1e-6)
     assert any(line.startswith("mechanism: 1 of 1 blocks") and line.endswith("; 1 of them crush") for line in said(case))
-    assert any("the factor is an upper value" in line for line in said(case))
+    assert any("the factor is an upper bound" in line for line in said(case))
     write(case, tmp_path / "out", pictures=False)
     assert json.loads((tmp_path / "out" / "limit.json").read_text())["mechanism"]["joints_crushing"] == 1
     with (tmp_path / "out" / "joints.csv").open() as file:

@@ -190,7 +190,7 @@ def test_a_part_is_checked_by_displacements_as_the_whole_is(tmp_path: Path) -> N
     assert float(first["d0_m"]) == pytest.approx(0.25, rel=1e-3) and first["check"] == row["check"]
     assert all(not other["d0_m"] and "smaller a0*" in other["no_check_by_displacements"] for other in others)
     page = (folder / "limit.html").read_text()
-    assert "d0* [mm]" in page and "does not last to collapse" in page
+    assert "d0* [mm]" in page and "does not last until collapse" in page
 
 
 def test_a_part_at_a_height_is_asked_for_the_displacement_of_its_floor(tmp_path: Path) -> None:

@@ -137,7 +137,7 @@ def test_the_worst_place_is_found_and_no_place_is_worse(tmp_path: Path) -> None:
     assert '"critical_position"' in (tmp_path / "limit.json").read_text()
 
 
-def test_a_vehicle_alone_needs_no_pattern_and_one_that_stands_beside_a_push_is_constant() -> None:
+def test_a_vehicle_alone_needs_no_pattern_and_one_that_stands_next_to_a_push_is_constant() -> None:
     text = TEXT[: TEXT.index("[limit]")] + "[run]\ndt = 1e-3\nduration = 1.0\n"
     whole = limit_case(scene(text=text)).whole
     assert whole is not None and whole.loads.kind == "live"

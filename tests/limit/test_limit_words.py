@@ -69,7 +69,7 @@ def test_a_wall_wedged_between_rigid_cheeks_leans_out_alone(courses, tmp_path):
     check = '[limit.check]\nspectrum = "EC8"\nag = 4.0\ndisplacements = false\n'
     path = scene(tmp_path, f"[limit]\npush = '-x'\n{check}", blocks=[ground(5.0), *slab, *cheeks])
     case = limit_case(path)
-    assert case.whole.analysis.unlimited and not case.whole.analysis.endless
+    assert case.whole.analysis.unlimited and not case.whole.analysis.is_endless
     assert case.whole.analysis.least is not None and case.whole.analysis.least.optimum.factor == pytest.approx(0.5 / 3.0, rel=1e-3)
     assert case.verdict is not None and case.verdict.state == "NOT satisfied" and case.verdict.search is not None
     assert case.verdict.search.associated is None

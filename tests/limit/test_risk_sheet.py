@@ -69,7 +69,7 @@ def test_a_sheet_is_of_one_site_and_of_analyses_with_a_hazard(folders: tuple[Pat
     other = analysed(tmp_path, "other", 0.5, TABLES.replace("1.6, 3.2", "1.7, 3.2"))
     assert "has another hazard than" in str(refusal(masonry_cd("risk", folders[0], "--after", other)))
     plain = analysed(tmp_path, "plain", 0.5, PUSH)
-    assert "has no check by a code" in str(refusal(masonry_cd("risk", plain)))
+    assert "has no code check" in str(refusal(masonry_cd("risk", plain)))
     assert "has no limit.json" in str(refusal(masonry_cd("risk", tmp_path)))
     assert "has no summary.json" in str(refusal(masonry_cd("risk", folders[0], "--study", tmp_path)))
     assert not (tmp_path / "out").exists()

@@ -153,7 +153,7 @@ def test_the_back_of_an_abutment_meets_its_share_of_k_p_in_all_and_no_more() -> 
     assert sum(bar.limit for bar in in_a_run) == pytest.approx(3.0 * gamma_h)
 
 
-def test_gravity_may_be_ramped_beside_fill_that_presses_on_nothing() -> None:
+def test_gravity_may_be_ramped_next_to_fill_that_presses_on_nothing() -> None:
     made, assembly = bridge(width=3.0)
     build([{"kind": "gravity", "ramp": 1.0}], 1e-3, 10, GRAVITY, Path(), assembly, fills=made.fills)
 

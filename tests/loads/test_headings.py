@@ -14,7 +14,7 @@ from records import side_by_side, wrapped
 
 from loads.picture import file_picture
 from loads.readers import RawRecord, Request, Source, read
-from loads.readers.wrapped import in_reading_order
+from loads.readers.wrapped import is_in_reading_order
 from masonry_cd.foundation.errors import InputError
 
 N, STEP, VALUES = files.COUNT, files.STEP, files.WAVE
@@ -329,7 +329,7 @@ def test_pairs_whose_last_line_is_short(tmp_path: Path) -> None:
     assert len(load_wrapped(tmp_path, text, layout="pairs").values) == 402
 
 
-def test_components_with_times_of_their_own_take_the_times_beside_them(tmp_path: Path) -> None:
+def test_components_with_times_of_their_own_take_the_times_next_to_them(tmp_path: Path) -> None:
     text = side_by_side(TIME, QUAKE, 2.0 * TIME + 5.0, OTHER)
     other = load_wrapped(tmp_path, text, column=3)
     assert (other.step, other.origin) == (pytest.approx(2 * STEP_WRAPPED), pytest.approx(5.0))
@@ -356,5 +356,5 @@ def test_time_step_wins_over_times_of_columns_and_of_pairs(tmp_path: Path) -> No
 
 def test_noise_and_short_tables_show_nothing() -> None:
     rng = np.random.default_rng(3)
-    assert not in_reading_order(rng.normal(size=(3, 4)))
-    assert sum(in_reading_order(rng.normal(size=(400, 3))) for _ in range(20)) == 0
+    assert not is_in_reading_order(rng.normal(size=(3, 4)))
+    assert sum(is_in_reading_order(rng.normal(size=(400, 3))) for _ in range(20)) == 0

@@ -84,7 +84,7 @@ def test_motions_from_files_have_the_numbers_of_their_components(first: tuple[Lo
     assert [made["after"]["pga"] > 0.0 for _, _, made in motion.components] == [True]
 
 
-def test_an_unknown_key_has_those_that_exist_beside_it(first: tuple[LoadKind, dict[str, Any], RunGrid]) -> None:
+def test_an_unknown_key_has_those_that_exist_next_to_it(first: tuple[LoadKind, dict[str, Any], RunGrid]) -> None:
     with pytest.raises(InputError) as refused:
         loads.parse_load({"kind": first[1]["kind"], "zzqq": 1}, "loads[0]")
     assert refused.value.place == "loads[0].zzqq" and all(key in refused.value.faults[0].text for key in first[0].table.model_fields)

@@ -84,7 +84,7 @@ PULSE: dict[str, Any] = {"kind": "pulse", "direction": "x", "acceleration": 1.5,
 
 
 @pytest.mark.parametrize(("shape", "impulse"), [("half-sine", 2.0 / np.pi), ("rectangle", 1.0), ("sine", 0.0), ("cosine", 0.0)])
-@pytest.mark.parametrize("dt", [5e-3, 7e-3])  # of which the pulse is no multiple
+@pytest.mark.parametrize("dt", [5e-3, 7e-3])  # of which the pulse is not a multiple
 def test_a_pulse_puts_in_its_impulse_and_ends(shape: str, impulse: float, dt: float) -> None:
     found = loads.build([PULSE | {"shape": shape}], dt, 100, GRAVITY, Path())
     x = found.acceleration[:, 0]

@@ -16,7 +16,7 @@ from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_e
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 DIGITS = 1e-9  # of what is compared, times the condition number of W
-CONDITION = 1e4  # worst of W that is asked for
+CONDITION = 1e4  # worst of W that is requested
 UNIT = st.floats(-1.0, 1.0).map(lambda x: x if abs(x) > 1e-9 else 0.0)  # squares of smaller ones may be lost
 FRICTION = st.one_of(st.sampled_from([0.0, 0.3, 0.6, 1.0, 3.0]), st.floats(0.0, 3.0))
 ROUNDING = 1.0 + 1e-12

@@ -30,7 +30,7 @@ from reports.drawing.render import Canvas
 from reports.drawing.scene import PictureScene
 from reports.drawing.solids import auto_view, families_of, structure_scene, within_sight
 from reports.maps import framing
-from reports.maps.sequence import animation, crack_maps, frames_at
+from reports.maps.sequence import draw_animation, draw_crack_maps, frames_at
 
 
 def drawn(path: Path, blocks: list[Block], states: list, **options: object) -> np.ndarray:
@@ -211,7 +211,7 @@ def test_without_opengl_the_packages_are_named() -> None:
         pytest.skip("OSMesa is installed here")
     done = subprocess.run([sys.executable, "-c", code], env=hidden, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "NoContext: pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1" in done.stderr
+    assert "NoContext: pictures: off-screen OpenGL is missing; on Debian and Ubuntu, run apt-get install libegl1 libgl1" in done.stderr
 
 
 def meshes_of_a_wall(folder: Path, courses: int, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -279,7 +279,7 @@ def test_maps_of_a_sequence_are_alike_in_all_but_the_damage(run: Path, tmp_path:
     with Results.open(run) as results:
         alone, row = framing.framing(results, [1], framing.MapStyle()), framing.framing(results, [0, 1, 2], framing.MapStyle())
         assert (alone.factor, row.factor) == (5.0, 1.0)
-        paths = crack_maps(results, tmp_path, [0.0, 0.1, 0.2, 0.21])
+        paths = draw_crack_maps(results, tmp_path, [0.0, 0.1, 0.2, 0.21])
     assert [path.name for path in paths] == ["crack_map_0s.png", "crack_map_0.1s.png", "crack_map_0.2s.png"]
     first, second, third = (pixels(path) for path in paths)
     assert first.shape == second.shape == third.shape
@@ -294,8 +294,8 @@ def test_an_animation_plays_in_the_time_of_the_run(run: Path, tmp_path: Path) ->
     from PIL import Image
 
     with Results.open(run) as results:
-        assert animation(results, tmp_path / "run.gif") == 5
-        assert animation(results, tmp_path / "short.gif", most=3) == 3
+        assert draw_animation(results, tmp_path / "run.gif") == 5
+        assert draw_animation(results, tmp_path / "short.gif", most=3) == 3
     with Image.open(tmp_path / "run.gif") as film:
         shown = []
         for k in range(film.n_frames):
@@ -312,7 +312,7 @@ def test_an_animation_plays_in_the_time_of_the_run(run: Path, tmp_path: Path) ->
 def test_a_single_frame_makes_no_animation_and_a_map_needs_its_frame(tmp_path: Path) -> None:
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [at_rest(COLUMN)])) as results:
         with refused_at("animation"):
-            animation(results, tmp_path / "run.gif")
+            draw_animation(results, tmp_path / "run.gif")
         with refused_at("frame 1"):
             crack_map(results, tmp_path / "x.png", frame=1)
     with refused_at("largest"):

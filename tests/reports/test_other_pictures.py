@@ -33,9 +33,9 @@ from reports.assess.picture import INDICES
 from reports.drawing.figure import COLUMN, MARGIN, TITLE, WIDTH, Sheet, layout
 from reports.drawing.palette import CRUSHED, FAULTY, INK
 from reports.drawing.parts import Lines, view_named
-from reports.drawing.refused_blocks import problem_picture
+from reports.drawing.refused_blocks import draw_refused_blocks
 from reports.limit.picture import LimitSubject, mechanism_scene
-from reports.limit.spectrum_picture import spectrum_picture
+from reports.limit.spectrum_picture import draw_spectra
 from structures.geometry.checks import Unsound, check
 
 G = 9.81
@@ -57,7 +57,7 @@ def test_a_picture_has_a_panel_for_each_check(tmp_path: Path) -> None:
     record = {"record": {"path": "a.csv", "units": "m/s2", "correction": "none"}}
     widths = []
     for name, keys in {"both": HELD | {"storeys": 3}, "record": record, "linear": HELD | {"code": "EC8"}}.items():
-        with Image.open(spectrum_picture(of(keys, tmp_path), tmp_path / f"{name}.png", "A wall", "as built, $ and all")) as drawn:
+        with Image.open(draw_spectra(of(keys, tmp_path), tmp_path / f"{name}.png", "A wall", "as built, $ and all")) as drawn:
             widths.append(drawn.width)
             assert np.asarray(drawn.convert("L")).std() > 10.0
     assert widths[0] == widths[1] > 1.3 * widths[2]
@@ -104,7 +104,7 @@ LONG = f'{LINE} · provisional: the run ended at 12.34 s, the base still moving 
 def ink(facts: str) -> np.ndarray:
     """Return True for each pixel of the head of a sheet with such facts that is drawn on."""
     sheet = Sheet(layout(1.4))
-    sheet.head("A church of which a long title tells", facts)
+    sheet.draw_head("A church of which a long title tells", facts)
     return np.asarray((sheet.pixels()[:TITLE] < 200).any(axis=2))
 
 
@@ -167,7 +167,7 @@ def test_faulty_blocks_are_drawn_in_colour(tmp_path: Path, which: str, names: in
         check(faulty(which), "tower.json")
     fault = failure.value
     assert TOWER[2].name in fault.faulty
-    problem_picture(fault.blocks, fault.faulty, str(fault), tmp_path / "problem.png")
+    draw_refused_blocks(fault.blocks, fault.faulty, str(fault), tmp_path / "problem.png")
     image = (255 * imread(tmp_path / "problem.png")[..., :3]).round().astype(int)
     hue = np.abs(image - (image.max(axis=-1, keepdims=True) / RED.max()) * RED).max(axis=-1) < 12  # the colour, however it is lit
     red = int((hue & (image.max(axis=-1) > 90)).sum())

@@ -287,7 +287,7 @@ def test_dragging_turns_the_model(page):
     x, y = screen(page, "masonry.all.camera.target")
     page.drag(x, y, 100, 40)
     assert page.run("return [masonry.all.camera.turn, masonry.all.camera.tilt]") == pytest.approx([-0.5, 0.2], abs=0.05)
-    assert page.run("return masonry.state.chosen.length") == 1  # a drag is no click
+    assert page.run("return masonry.state.chosen.length") == 1  # a drag is not a click
 
 
 def test_the_table_is_sorted_and_filtered(page):
@@ -360,4 +360,4 @@ def test_the_command_line_prints_the_page(folder):
 def test_printing_without_a_browser_is_reported(folder, monkeypatch):
     monkeypatch.setenv("PATH", "")
     asked = masonry_cd("report", folder, "--pdf", "--no-crack-map")
-    assert asked.exit_code == 2 and "--pdf: no Chromium here" in asked.stderr
+    assert asked.exit_code == 2 and "--pdf: Chromium, which prints the page, is missing" in asked.stderr

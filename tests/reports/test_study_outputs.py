@@ -256,7 +256,7 @@ def test_joints_of_another_number_are_refused_and_of_another_shape_left_out(tmp_
     three = np.full(3, 0.01, dtype=np.float32)
     np.savez(files[1], opening=three, sliding=three, lost=three > 1, shape=8)
     found = write_study(folder)
-    assert any("1 runs are left out, whose joints are not those of the first run" in line for line in found.warnings)
+    assert any("1 runs are left out because their joints differ from those of the first run" in line for line in found.warnings)
     assert {row["runs"] for row in table(folder / "joint_probabilities.csv")} == {"14"}
     np.savez(files[1], opening=three[:2], sliding=three[:2], lost=three[:2] > 1, shape=7)
     with refused_at("joints/00000001.npz"):

@@ -119,7 +119,7 @@ def test_the_page_has_the_tension_of_each_tie_at_its_frames(run):
 
 
 @pytest.mark.skipif(bool(browsers.missing()), reason=browsers.missing())
-def test_the_model_names_the_tension_beside_its_tie(run, tmp_path):
+def test_the_model_names_the_tension_next_to_its_tie(run, tmp_path):
     with Results.open(run / "result.h5") as results:
         write_page(results, tmp_path / "report.html", read_summary(run))
         (tie,) = histories(results)
@@ -148,7 +148,7 @@ def test_ties_that_are_damaged_in_the_file_are_named(run, tmp_path):
         path.write_bytes((run / "result.h5").read_bytes())
         with h5py.File(path, "a") as file:
             file.attrs["ties"] = text
-        with pytest.raises(InputError, match="damaged: its blocks, its joints or its scene are not those that were written"):
+        with pytest.raises(InputError, match="damaged: its blocks, joints or scene have changed since they were written"):
             Results.open(path)  # the checksum
 
 

@@ -32,7 +32,7 @@ def test_a_shallow_pocket_is_cut_off_upright_to_its_face() -> None:
     assert min(one.width for one in joined(left)) > 0.15
 
 
-def test_a_solid_beside_a_stone_takes_nothing_and_one_about_it_all() -> None:
+def test_a_solid_next_to_a_stone_takes_nothing_and_one_about_it_all() -> None:
     stone, none = part((0.0, 0.0, 0.0), (1.0, 0.6, 0.5)), np.zeros(6, dtype=bool)
     assert outside(stone, planes(Polyhedron(*box((1.0, 0.0, 0.0), (2.0, 1.0, 1.0)))), none) is None
     assert outside(stone, planes(Polyhedron(*box((-1.0, -1.0, -1.0), (2.0, 1.0, 1.0)))), none) == []

@@ -46,7 +46,7 @@ def test_a_block_file_gives_back_the_fill_to_the_bit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["obj", "vtu", "step"])
-def test_other_formats_have_their_fill_in_a_file_beside_them(tmp_path: Path, suffix: str) -> None:
+def test_other_formats_have_their_fill_in_a_file_next_to_them(tmp_path: Path, suffix: str) -> None:
     made, assembly = bridge(SPAN, **KEYS)
     meshfile.write(tmp_path / f"blocks.{suffix}", made.blocks)
     fillfile.write(tmp_path / "fill.json", made.blocks, made.fills)
@@ -78,7 +78,7 @@ def test_build_writes_both_and_the_solids_of_cad_files_are_those_of_the_blocks_a
     asked = ["build", str(scene), "-o", str(tmp_path / "out"), "--no-picture", "--format", "json", "--format", "obj", "--format", "brep"]
     answer = masonry_cd(*asked)
     assert answer.exit_code == 0, answer.output
-    assert "blocks.brep keep no names of blocks, by which fill.json puts the fill back" in answer.output
+    assert "blocks.brep cannot store names of blocks, which fill.json needs to restore the fill" in answer.output
     alone = json.loads((tmp_path / "out" / "fill.json").read_text())
     whole = json.loads((tmp_path / "out" / "blocks.json").read_text())
     assert alone == {key: whole[key] for key in ("fills", "carried")}

@@ -97,7 +97,7 @@ def test_a_structure_in_its_place_takes_its_floors_along():
 @pytest.mark.parametrize(
     ("floor", "message"),
     [
-        ({"walls": ["sooth"]}, 'structure.floors[0].walls: "sooth" is no group or block (did you mean "south"?); groups: '),
+        ({"walls": ["sooth"]}, 'structure.floors[0].walls: "sooth" is not a group or block (did you mean "south"?); groups: '),
         ({"height": 9.0}, "structure.floors[0].height: no block of south, north stands at or below z = 8.75 to 9 m"),
         ({"bearing": 0.6}, "structure.floors[0].bearing: must be at most the depth of its wall in the south, 0.5 m, got 0.6"),
         ({"bearing": 0.495}, 'structure.floors[0]: of block "south.6.2" a sliver of 5 mm would remain next to it; another height, '),

@@ -107,8 +107,8 @@ def test_transformations_of_compas_elements_place_their_meshes(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("matrix", "inside", "words"),
     [
-        ([[1, 0, 0, 0]] * 3, True, '"e0": its transformation is no affine matrix of 4 x 4'),
-        ([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]], True, '"e0": its transformation is no affine matrix'),
+        ([[1, 0, 0, 0]] * 3, True, '"e0": its transformation is not an affine matrix of 4 x 4'),
+        ([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]], True, '"e0": its transformation is not an affine matrix'),
         ([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], False, '"e0" moves others, which do not stand within it'),
     ],
 )
@@ -171,7 +171,7 @@ def test_obj_groups_and_materials(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is no file of blocks; .* \.dxf, "),
+        ("a.xyz", "1 2 3\n", r"structure\.path: a\.xyz is not a file of blocks; .* \.dxf, "),
         ("a.dat", "ISO-10303-21;\n", r"a\.dat: cannot be read"),
         ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n0\nENDSEC\n0\nEOF\n", r"a\.dxf: no 3DFACE and no polyface mesh in it"),
         ("a.off", "OFF\n3 1 0\n0 0 0\n", r"a\.off: not the counts, corners and faces of an OFF file"),
@@ -280,7 +280,7 @@ def test_a_mesh_of_gmsh_without_volumes_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_of_meshes_is_a_stone_a_file(tmp_path: Path) -> None:
-    """Files are sorted by name, numbers by their size; what is no mesh is counted; a run depends on each file."""
+    """Files are sorted by name, numbers by their size; what is not a mesh is counted; a run depends on each file."""
     from masonry_cd.app.inputs import file_digests
 
     (tmp_path / "stones").mkdir()

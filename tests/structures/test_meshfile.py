@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes in and out: the same blocks come back, units and axes are stated, damage that can be mended is mended."""
+"""Meshes in and out: the same blocks come back, units and axes are stated, repairable damage is repaired."""
 
 from __future__ import annotations
 
@@ -220,8 +220,8 @@ def _cells(*cells: tuple[int, int, int]) -> tuple[list[tuple[int, int, int]], li
     for cell in cells:
         for axis in range(3):
             for side in (0, 1):
-                beside = tuple(c + (2 * side - 1) * (k == axis) for k, c in enumerate(cell))
-                if beside in cells:
+                adjacent = tuple(c + (2 * side - 1) * (k == axis) for k, c in enumerate(cell))
+                if adjacent in cells:
                     continue
                 u, w = (k for k in range(3) if k != axis)
                 loop = []
@@ -243,7 +243,7 @@ UNSOUND = {
 
 @pytest.mark.parametrize("what", UNSOUND)
 @pytest.mark.parametrize("turned", [False, True])
-def test_edges_of_more_than_two_faces_are_mended(tmp_path: Path, what: str, turned: bool) -> None:
+def test_edges_of_more_than_two_faces_are_repaired(tmp_path: Path, what: str, turned: bool) -> None:
     """Also where some faces are turned inwards; volumes are those of the cubes. Without repair the edge is named by its place."""
     cells, more, volume = UNSOUND[what]
     corners, faces = _cells(*cells)
@@ -263,7 +263,7 @@ def meshfile_blocks(folder: Path, **keys: Any) -> list[Block]:
     return structures.build({"kind": "file", "path": "a.obj", "units": "m", "up": "z", **keys}, 2000.0, folder)
 
 
-def test_a_hole_is_not_mended_and_named_by_its_place(tmp_path: Path) -> None:
+def test_a_hole_is_not_repaired_and_named_by_its_place(tmp_path: Path) -> None:
     corners, faces = _cells((0, 0, 0))
     lines = ["o a", *(f"v {x} {y} {z}" for x, y, z in corners), *("f " + " ".join(str(i + 1) for i in loop) for loop in faces[1:]), ""]
     (tmp_path / "a.obj").write_text("\n".join(lines))

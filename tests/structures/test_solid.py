@@ -113,7 +113,7 @@ def test_a_block_with_a_hole_through_it(tmp_path: Path) -> None:
         (TOWER, {"units": None}, "structure.units: missing; solid.geo does not say it"),
         (TOWER, {"bond": "wild"}, "structure.bond: input should be 'running' or 'stack', got 'wild'"),
         (TOWER, {"path": "none.step", "units": None}, 'structure.path: no file "none.step"'),
-        (TOWER, {"path": "solid.dxf"}, 'structure.path: "solid.dxf" is no solid; known: .geo, .step, .stp, .brep'),
+        (TOWER, {"path": "solid.dxf"}, 'structure.path: "solid.dxf" is not a solid; known: .geo, .step, .stp, .brep'),
         ("Point(1) = {0, 0, 0};", {}, "solid.geo: no volume of the OpenCASCADE kernel in it; a .geo file begins with SetFactory"),
         ("Box(1) = {0, 0", {}, "solid.geo: cannot be read: "),
         ("Cylinder(1) = {0, 0, 0, 0, 0, 1, 0.4};", {"chord": 1e-6}, "structure.chord: solid.geo: some facets stay "),

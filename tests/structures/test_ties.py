@@ -109,7 +109,7 @@ def test_a_structure_in_its_place_takes_its_ties_along():
             {**ROD, "along": "y"},
             'structure.ties[0]: the line along y at x = 0 m, z = 1.25 m has both ends in block "wall.3.2"; a tie needs',
         ),
-        ({**ROD, "parts": ["wal"]}, 'structure.ties[0].parts: "wal" is no group or block (did you mean "wall"?); groups: wall, base'),
+        ({**ROD, "parts": ["wal"]}, 'structure.ties[0].parts: "wal" is not a group or block (did you mean "wall"?); groups: wall, base'),
         ({**ROD, "area": 1e-4}, "structure.ties[0]: give exactly one of diameter, area and section"),
         ({**ROD, "number": 2, "spacing": 1.0}, "structure.ties[0]: give one of at, number and spacing"),
         ({**ROD, "plate": 1e5}, "structure.ties[0].plate: 100000 m is so wide that next to nothing of it lies on the wall"),

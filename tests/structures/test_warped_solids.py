@@ -125,7 +125,7 @@ def test_a_face_of_too_few_corners_is_named_by_its_line(face: str, tmp_path: Pat
 
 def test_a_file_of_unknown_ending_is_named_with_those_that_are_read(tmp_path: Path) -> None:
     (tmp_path / "plan.xyz").write_text("a plan\n")
-    with pytest.raises(InputError, match=r"plan\.xyz is no file of blocks; kind = \"file\" reads \.json, \.obj, .*\.step"):
+    with pytest.raises(InputError, match=r"plan\.xyz is not a file of blocks; kind = \"file\" reads \.json, \.obj, .*\.step"):
         structures.build({"kind": "file", "path": "plan.xyz", "units": "mm", "up": "z"}, 2000.0, tmp_path)
 
 

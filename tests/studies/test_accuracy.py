@@ -206,7 +206,7 @@ def test_the_cheapest_setting_without_a_bias_is_good_enough():
         row(finest + 1e-4 * random.standard_normal(10), finest, 4.0, 1e-5),
         row(finest, finest, 8.0, 1e-6),
     ]
-    assert [one.biased for one in rows] == [True, False, False]
+    assert [one.is_biased for one in rows] == [True, False, False]
     assert not rows[0].spreads["opening_max"].within
     assert good_enough(rows) is rows[1]
     assert str(rows[1].setting) in lines_of("A scene", rows)[-1]
@@ -218,7 +218,7 @@ def test_a_difference_that_matters_to_nobody_is_no_bias():
     finest = 0.05 * (1.0 + 1e-9 * np.arange(8))
     close, off = row(1.01 * finest, finest, 1.0, 1e-3), row(1.03 * finest, finest, 1.0, 1e-3)
     assert close.spreads["opening_max"].chance < 0.01
-    assert [close.biased, off.biased] == [False, True]
+    assert [close.is_biased, off.is_biased] == [False, True]
 
 
 @pytest.mark.slow(reason="starts workers several times")

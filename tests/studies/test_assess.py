@@ -230,7 +230,7 @@ def test_each_run_is_named_by_its_scene_and_the_base_case_is_first() -> None:
     assert len(shared) == 1  # joints of the mean E without damping are one run
     assert len({run.name for run in plan.runs}) == len(plan.runs) - 1
     again = AssessPlan(scene(assess={"leave_out": ["friction"]}))
-    assert again.runs[0].name == plan.runs[0].name  # what is varied is no part of a scene that runs
+    assert again.runs[0].name == plan.runs[0].name  # what is varied is not part of a scene that runs
     assert not scene_of_run(plan.maker.tables(plan.runs[0].asked)).until_still  # as the scene is
     graded = AssessPlan(scene(report={"damage": True}))
     assert scene_of_run(graded.maker.tables(graded.runs[0].asked)).until_still
@@ -306,7 +306,7 @@ def test_indices_of_a_load_factor_are_on_the_page_and_in_the_files(tmp_path: Pat
     facts = json.loads((tmp_path / "out" / "assess.json").read_text())
     first = {one["property"]: one["first"] for one in facts["found"]["indices"]}
     assert first == pytest.approx({"friction": 1.0, "block size": 0.0}, abs=0.03)
-    assert "All varied at once" in (tmp_path / "out" / "assess.html").read_text()
+    assert "All varied together" in (tmp_path / "out" / "assess.html").read_text()
     assert (tmp_path / "out" / "assess_global.png").is_file()
     single = command(tmp_path, tables, "--workers", "1")
     assert single.exit_code == 0, single.output

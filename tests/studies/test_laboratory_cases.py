@@ -57,7 +57,7 @@ def test_a_block_that_rocks_is_followed_through_two_half_swings(slenderness: flo
     assert 2.0 * to_impact < restitution.lasting(slenderness) < 2.4 * to_impact
 
 
-def test_what_was_measured_of_rocking_blocks_lies_beside_the_computed_curve() -> None:
+def test_what_was_measured_of_rocking_blocks_lies_next_to_the_computed_curve() -> None:
     name, slenderness, measured = restitution.measured("concrete")
     assert name == "measured on concrete"
     assert set(slenderness) < set(restitution.SHAPES)

@@ -91,9 +91,9 @@ def test_what_a_kill_leaves_is_cleared(tmp_path: Path) -> None:
 def tables(height: float, several: bool) -> dict[str, Any]:
     """A wall of a height, alone or next to another one, at rest for a few steps."""
     own = {"kind": "wall", "length": 1.0, "thickness": 0.5, "height": height, "course_height": 0.5, "unit_length": 0.5}
-    beside = own | {"name": "low", "height": 0.5, "at": [3.0, 0.0, 0.0]}
+    second = own | {"name": "low", "height": 0.5, "at": [3.0, 0.0, 0.0]}
     return {
-        **({"structures": [own | {"name": "tall"}, beside]} if several else {"structure": own}),
+        **({"structures": [own | {"name": "tall"}, second]} if several else {"structure": own}),
         "material": {"density": 2000.0, "friction": 0.6},
         "run": {"dt": 1e-2, "duration": 0.05},
     }

@@ -128,7 +128,7 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
         again = f"masonry-cd study {path} -o {tmp_path / 'out'} --scheduler {address}"
         assert own == [
             "masonry-cd: warning: the scheduler does not answer any more; finished runs are kept",
-            f"masonry-cd: go on with: {again}",
+            f"masonry-cd: continue with: {again}",
         ]
         assert "Traceback" not in said
     before = studied.row_names(tmp_path / "out")

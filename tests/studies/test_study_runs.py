@@ -223,7 +223,7 @@ def test_ctrl_c_ends_a_study_and_says_how_to_go_on(long: Path) -> None:
     assert program.returncode == 130
     lines = [line for line in said.splitlines() if line.startswith("masonry-cd: ")]
     assert lines[-2].startswith("masonry-cd: warning: interrupted")
-    assert lines[-1] == f"masonry-cd: go on with: masonry-cd study {long} -o {long.parent / 'out'} --workers 1"
+    assert lines[-1] == f"masonry-cd: continue with: masonry-cd study {long} -o {long.parent / 'out'} --workers 1"
     assert "Traceback" not in said
     assert 1 <= len(row_names(long.parent / "out")) < 18
 

@@ -49,7 +49,7 @@ class NtcKeys(SiteKeys):
     f0: Positive | None = None
     """Largest amplification at the site, NTC only."""
     tc_star: Annotated[Span, Usual(0.05, 2.0, "T*_C is 0.1 to 1 s", ("ms",))] | None = None
-    """Where the constant velocity of the spectrum begins at the site, NTC only."""
+    """Period at which the constant velocity of the spectrum begins at the site, NTC only."""
     topography: Literal["T1", "T2", "T3", "T4"] | None = None
     """Category of the site, NTC only; T1 when not given."""
 

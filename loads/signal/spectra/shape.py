@@ -83,7 +83,7 @@ class ElasticSpectrum:
         """S_De of a long period in symbols, where it is not S_e (T / 2 pi)^2."""
         return ""
 
-    def by_eta(self, damping: float) -> bool:
+    def scales_by_eta(self, damping: float) -> bool:
         """True where ordinates of that damping are those of another times a factor."""
         return damping != USUAL_DAMPING
 

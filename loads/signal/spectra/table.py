@@ -142,7 +142,7 @@ class TableSpectrum(ElasticSpectrum):
         """Its last period [s]."""
         return float(self.period[-1])
 
-    def by_eta(self, damping: float) -> bool:
+    def scales_by_eta(self, damping: float) -> bool:
         """True where no column has that damping and none has less or more."""
         return not self.damping[0] <= damping <= self.damping[-1]
 

@@ -171,8 +171,8 @@ class Assessment:
         """Return the effect of an assumption on an answer."""
         reference = self.base if not assumption.reference else self.level(assumption.name, assumption.reference)
         at = np.nan if reference is None else reference.of(answer)
-        beside = (assumption.reference, *assumption.coarser)
-        found = [(name, self.level(assumption.name, name)) for name in assumption.levels if name not in beside]
+        excluded = (assumption.reference, *assumption.coarser)
+        found = [(name, self.level(assumption.name, name)) for name in assumption.levels if name not in excluded]
         values = tuple((name, member.of(answer)) for name, member in found if member is not None and np.isfinite(member.of(answer)))
         every = np.array([at, *(value for _, value in values)])
         if not np.isfinite(at) or not values:
@@ -212,7 +212,7 @@ class Assessment:
         """Assumptions whose bars show in some answer, the weightiest first."""
         return [one for one in self.ranked if self.weight(one) > 0.0]
 
-    def tested(self, assumption: KnownAssumption) -> bool:
+    def is_tested(self, assumption: KnownAssumption) -> bool:
         """Return True if some level of an assumption is data."""
         return any(self.bar(assumption, answer).values for answer in self.answers)
 
@@ -268,7 +268,7 @@ def read_assessment(folder: Path) -> Assessment:
         left = tuple((one["assumption"], one["why"]) for one in facts["left_out"])
         return Assessment(facts["title"], facts["scene"], known, left, members, facts.get("program", ""), unknowns, sampled)
     except (ValueError, KeyError, TypeError, OSError) as fault:
-        raise InputError(file, f"is no assessment: {fault}") from None
+        raise InputError(file, f"is not an assessment: {fault}") from None
 
 
 def _member(facts: Mapping[str, Any]) -> Member:

@@ -33,7 +33,7 @@ NAMED = 3  # answers that a line names, and pairs
 def lines_of(found: Assessment) -> list[str]:
     """The closing lines, the verdict first."""
     if not found.base.row.done:
-        return [f"{found.title}: no verdict, the base case is no data: {_why(found.base)}"]
+        return [f"{found.title}: no verdict, the base case has no result: {_why(found.base)}"]
     out = [f"{found.title}: {verdict(found)}"]
     out += [_pin_line(found, one, place) for place, one in enumerate(to_pin_down(found), 1)]
     out += [f"ensemble of {sum(one.row.done for one in found.ensemble)}: {_spreads(found)}"] if len(found.ensemble) > 1 else []
@@ -51,8 +51,8 @@ def _deciding(found: Assessment) -> list[str]:
     deciding = found.deciding
     first = [one for one in deciding if found.weight(one) >= MOST * found.weight(deciding[0])]
     then = [one for one in deciding if one not in first]
-    idle = [one for one in found.assumptions if one not in deciding and found.tested(one)] if first else []
-    unknown = [one for one in found.assumptions if not found.tested(one)]
+    idle = [one for one in found.assumptions if one not in deciding and found.is_tested(one)] if first else []
+    unknown = [one for one in found.assumptions if not found.is_tested(one)]
     none = "no assumption shows beyond chance" if len(found.ensemble) > 1 else "no assumption changes it"
     said = (
         (first, f"{_named(first)} {'decides' if len(first) == 1 else 'decide'}"),
@@ -67,7 +67,7 @@ def _deciding(found: Assessment) -> list[str]:
 def on_the_whole(found: Assessment) -> Verdict:
     """Return the verdict on all runs: no grade of one run where an assumption decides, nor where a setting of the computation does."""
     if not found.base.row.done:
-        return Verdict("", "", "", UNKNOWN, "no verdict, the base case is no data", _why(found.base))
+        return Verdict("", "", "", UNKNOWN, "no verdict, the base case has no result", _why(found.base))
     others = _deciding(found)
     numerical = [one for one in found.deciding if one.numerical]
     if found.base.row.number("grade") == NOT_GRADED or numerical:
@@ -91,11 +91,11 @@ def warnings_of(found: Assessment) -> list[str]:
     """On the runs."""
     if not found.base.row.done:
         return []
-    out = [f"{place_of(one)}: no data: {_why(one)}" for one in found.members if one.row.status and not one.row.done]
+    out = [f"{place_of(one)}: no result: {_why(one)}" for one in found.members if one.row.status and not one.row.done]
     waiting = sum(not one.row.status for one in found.members)
     out += [f"{waiting} of {len(found.members)} runs are still to be made"] if waiting else []
     lost = [one for one in found.sampled if not one.row.done]
-    out += [f"{len(lost)} of {len(found.sampled)} runs with all varied at once are no data: {_why(lost[0])}"] if lost else []
+    out += [f"{len(lost)} of {len(found.sampled)} runs with all varied together have no result: {_why(lost[0])}"] if lost else []
     out += [f"{place_of(one)}: no load factor: {one.row.limit_reason}" for one in found.members if one.row.done and one.row.limit_reason]
     done = [one for one in found.members if one.row.done]
     ungraded = [one for one in done if "grade" in one.row.numbers and one.row.number("grade_number") is None]
@@ -167,7 +167,7 @@ def _range(found: Assessment) -> str:
 
 
 def _why(member: Member) -> str:
-    """Why a run is no data."""
+    """Why a run has no result."""
     return member.row.reason if member.row.status else "it was not run"
 
 

@@ -52,12 +52,12 @@ class Posterior:
     prior: np.ndarray  # (N,) of the prior, over the same samples
     observations: tuple[Observation, ...]
     predicted: np.ndarray  # (N, M), nan where there is none
-    lost: int = 0  # samples whose run is no data
+    lost: int = 0  # samples whose run has no result
     motion: tuple[str, str] | None = None  # unknowns across and up the map of the motion
 
     @property
     def refused(self) -> str:
-        """The reason why it is no answer; empty where it is one."""
+        """The reason why it is not an answer; empty where it is one."""
         if self.sizes[-1] >= self.enough:
             return ""
         if not self.weights.any():

@@ -11,6 +11,6 @@ site.py      the hazard of the site: what a limit state asks for, return period 
 borne.py     the acceleration of the ground that is just borne
 spectra.py   the spectra of a check as curves, each a Spectrum of spectrum.py
 verdicts.py  demand against capacity, and the one verdict that follows: result and confidence
-code.py      what a code says of itself
+code.py      the declaration of a code
 codes        a file each: Circolare 7 of 2019, C8.7.1.2.1; Circolare 617 of 2009, C8A.4; EN 1998-1:2004, 4.3.5, with EN 1998-3:2005
 """

@@ -43,7 +43,7 @@ def with_borne(made: CodeCheck, table: CheckTable, level: HeldLevel, oscillator:
     def search(state: str, row: HazardRow) -> Sequence[Borne]:
         of_row = {"ag": row.intensity, "f0": row.f0, "tc_star": row.tc_star}
         other = table.model_copy(update={"limit_state": state} | {key: value for key, value in of_row.items() if value is not None})
-        if state not in table.by.limit_states or (state == "SLC" and not other.by_displacements):
+        if state not in table.by.limit_states or (state == "SLC" and not other.checks_displacements):
             return ()
         there, motion = other.at(level.counted), CodeGround(other, hazard=hazard)
         return _just_borne(_checked(there, oscillator, motion), there, oscillator, motion)

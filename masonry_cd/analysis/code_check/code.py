@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A code and what it says of itself; a module of ``codes`` lists its own in ``CODES``, by the name that ``limit.check.code`` has for it."""
+"""A code and its declaration; a module of ``codes`` lists its own in ``CODES``, by the name that ``limit.check.code`` has for it."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ class CodeGround:
     def displaced(self, made: Working, span: tuple[float, float], damping: float, of: str) -> tuple[float, str]:
         """S_De at the end of the span, S_e (T / 2 pi)^2 up to T_E."""
         last, damped, found = span[1], damping != USUAL_DAMPING, self.spectrum
-        if found.by_eta(damping):
+        if found.scales_by_eta(damping):
             made.put("eta", damping_factor(damping))
         if found.long is not None and (falling := found.falling(last, of, damped)):
             made.put("TE", found.long[0])

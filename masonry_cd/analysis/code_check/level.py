@@ -29,7 +29,7 @@ class HeldLevel:
     line: float  # z of the centroid of the lines that constrain it [m]
     height: float  # Z, above the foundation [m]
     by: str  # what says so: where the foundation is, or limit.check.height
-    counted: float  # height of the building whose motion is asked for [m]; 0: the ground
+    counted: float  # height of the building whose motion is wanted [m]; 0: the ground
     doubt: str = ""  # the reason why "satisfied" does not follow there; empty where it may
 
     @property

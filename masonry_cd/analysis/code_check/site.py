@@ -41,7 +41,7 @@ def completed(check: Mapping[str, Any], hazard: Hazard) -> dict[str, Any]:
     """
     spectrum, state = check.get("spectrum"), check.get("limit_state", STATE)
     keys = OF_SPECTRA.get(str(spectrum), ())
-    if not hazard.of_ag or not keys or "record" in check or state not in PROBABILITY:
+    if not hazard.is_of_ag or not keys or "record" in check or state not in PROBABILITY:
         return dict(check)
     row = demand(hazard, str(state), str(check.get("code", "NTC2018")))
     given = {"ag": row.intensity, "f0": row.f0, "tc_star": row.tc_star}
@@ -66,7 +66,7 @@ def known_at(hazard: Hazard | None, table: CheckTable) -> Hazard | None:
 
     None of a record, and of spectra that are not made of ag.
     """
-    if hazard is None or table.spectrum not in OF_SPECTRA or table.ag is None or (hazard.known and not hazard.of_ag):
+    if hazard is None or table.spectrum not in OF_SPECTRA or table.ag is None or (hazard.known and not hazard.is_of_ag):
         return None
     if hazard.known:
         return hazard
@@ -100,7 +100,7 @@ def _asked(hazard: Hazard, table: CheckTable) -> Iterator[Step]:
     formula = "-VR / ln(1 - PVR)"
     formula = formula if taken == life.asked(state) else f"min(max({formula}, 30), 2475)"
     yield Step("TR", taken, "years", "NTC 2018, [3.2.0]", f"return period of {state}", formula, HAZARD)
-    if hazard.of_ag and table.ag is not None:
+    if hazard.is_of_ag and table.ag is not None:
         yield from _between(hazard, table.ag, HAZARD)
         power = "(ln(TR / TR1) / ln(TR2 / TR1))"
         yield Step("ag", table.ag, "m/s2", "NTC, annex A", "on rock, between two rows", f"ag1 (ag2 / ag1)^{power}", HAZARD)

@@ -42,7 +42,7 @@ class CheckTable(SiteSpectrum):
     code: Annotated[str, BeforeValidator(_known), Field(json_schema_extra=_codes)] = "NTC2018"
     """Code of the check: NTC 2018 with its Circolare of 2019, NTC 2008 with that of 2009, or Eurocode 8."""
     limit_state: Literal["SLD", "SLV", "SLC"] = "SLV"
-    """That the motion of the ground belongs to: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
+    """Limit state of the motion of the ground: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
     confidence_factor: Annotated[float, Field(ge=1.0, le=2.0)] = 1.35
     """Divisor of the capacity; 1.35 where the strength of the masonry plays no part, as here (C8.7.1.2.1.3)."""
     behaviour_factor: Annotated[float, Usual(1.0, 2.0, "codes give local mechanisms and parts 2 at the most"), Field(ge=1.0, le=4.0)] = 2.0
@@ -50,22 +50,22 @@ class CheckTable(SiteSpectrum):
     displacements: bool = True
     """Check SLV and SLC by displacements, too: the mechanism is then followed to its end, some forty limit analyses."""
     record: CheckRecord | None = None
-    """In place of a spectrum: path, units, scale and so on, as of a load of kind record."""
+    """Record in place of a spectrum: path, units, scale and so on, as of a load of kind record."""
     foundation: Annotated[float, Unit("m"), Field(ge=-1e4, le=1e4)] | None = None
     """z of the foundation of the building that these blocks are, or are part of, from which the line at which each mechanism is held
     counts; that of the lowest block when not given. A parapet modelled from z = 0 on a roof 6.4 m up has -6.4."""
     height: Annotated[float, Unit("m"), Field(ge=0.0, le=1000.0)] = 0.0
-    """In place of foundation: all of these blocks are held at least so high above it, whole and parts."""
+    """Height above the foundation, in its place, at which all of these blocks are held at least, whole and parts."""
     building_height: Height | None = None
     """H of the building, above the foundation; with it each mechanism is checked against the motion at its own height."""
     building_period: Span | None = None
-    """T1 of it, in the direction of the push."""
+    """Fundamental period T1 of the building, in the direction of the push."""
     building_damping: Damping = 0.05
-    """xi1 of it, equivalent viscous; 0.1 to 0.2 where it is damaged as well."""
+    """Equivalent viscous damping xi1 of the building; 0.1 to 0.2 where it is damaged as well."""
     storeys: Annotated[int, Field(ge=1, le=200)] | None = None
-    """n of it: its mode takes part by 3 n / (2 n + 1)."""
+    """Number n of its storeys: the participation of its mode is 3 n / (2 n + 1)."""
     participation: Annotated[float, Field(gt=0.0, le=3.0)] | None = None
-    """Or its coefficient of participation."""
+    """Coefficient of participation of that mode, instead."""
     element_period: Span | None = None
     """T0 of a part that is free to vibrate before it gives way, as a parapet or a pinnacle; rigid when not given."""
 
@@ -124,7 +124,7 @@ class CheckTable(SiteSpectrum):
         return self.model_copy(update={"height": height, "foundation": None})
 
     @property
-    def by_displacements(self) -> bool:
+    def checks_displacements(self) -> bool:
         """Return True if a check by displacements is made."""
         return self.displacements and self.limit_state in self.by.by_displacements
 

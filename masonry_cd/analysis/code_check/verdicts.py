@@ -66,7 +66,7 @@ class CheckResult:
         if self.state == NOT_DECIDED:
             return self.doubt or LITTLE if self.met >= 1.0 else self.unread
         if self.state == NOT_SATISFIED and self.met >= self.fraction:
-            return f"e* = 1 is taken, the safe side; with e* = {self.fraction:.3g} by its formula the demand is met"
+            return f"e* = 1 is used, on the safe side; with e* = {self.fraction:.3g} by its formula the demand is met"
         return ""
 
     @property
@@ -106,7 +106,7 @@ class CheckSpectrum:
     check: CheckResult
     period: np.ndarray  # (n,) [s]
     ground: np.ndarray  # (n,)
-    raised: np.ndarray | None  # (n,) asked for at the height of the mechanism; None on the ground, and where a code has none
+    raised: np.ndarray | None  # (n,) required at the height of the mechanism; None on the ground, and where a code has none
 
     @property
     def asked(self) -> np.ndarray:

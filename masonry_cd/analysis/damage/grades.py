@@ -10,7 +10,7 @@ and every table states them with the grade:
                      Burland, Broms & de Mello (Behaviour of foundations and structures, Tokyo, 1977; in BRE Digest 251, 1981) these are
                      the lower bounds of 1 (very slight; below lie hair-line cracks, negligible), 3 (moderate), 4 (severe) and 5 (very
                      severe). Category 2 (slight, 1 to 5 mm) is D1 here, too. They are meant for settlement, and their
-                     authors warn that width alone is no measure of damage: so drift and lost volume count as well
+                     authors warn that width alone is not a measure of damage: so drift and lost volume count as well
     residual drift   of the part (:mod:`masonry_cd.analysis.damage.macro_elements`): 0.3, 0.6 and 1 %, which FEMA 356 (2000, table C1-3)
     gives as typical of unreinforced masonry walls at immediate occupancy, life safety and collapse prevention lost volume      share of the
     part that has fallen: any, 5 % and 50 %

@@ -134,7 +134,7 @@ def fallen(results: Results, thresholds: Thresholds | None = None, frame: int = 
 def displacement_max(results: Results) -> float:
     """Largest displacement of a block's centre of mass relative to the base [m], over all steps; over the frames in older files."""
     free = np.array([not block.fixed for block in results.blocks])
-    of_steps = results.step_peaks["displacement"][free] if results.peaks_of_steps else np.zeros(0)
+    of_steps = results.step_peaks["displacement"][free] if results.has_peaks_of_steps else np.zeros(0)
     return float(max(displacements(results).max(initial=0.0), of_steps.max(initial=0.0)))
 
 

@@ -143,7 +143,7 @@ class DamageSnapshot:
 
 
 def hinge_places(joints: Joints, snapshot: DamageSnapshot) -> np.ndarray:
-    """(J, 3) where each hinged joint touches: the mean of its touching corners at rest [m]; NaN where it is no hinge."""
+    """(J, 3) where each hinged joint touches: the mean of its touching corners at rest [m]; NaN where it is not a hinge."""
     side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     out = np.zeros((joints.count, 3))
     np.add.at(out, side[snapshot.touching], joints.polygon[snapshot.touching])

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reliability of a run, judged by the checks that it made of itself, and the verdict on it.
+"""The reliability of a run, judged by the checks of the run itself, and the verdict on it.
 
-Each check is ``good``: it does not limit what the results say; ``look``: read what stands next to it; or ``doubtful``: do not rely on the
-run before it is mended. The verdict on the run is that of its worst check. A run that is doubtful has no grade of damage: the verdict
-stands in its place wherever a grade does.
+Each check is ``good``: it does not limit the results; ``look``: read its reason; or ``doubtful``: do not rely on the run until the cause is
+removed. The verdict on the run is that of its worst check. A doubtful run has no grade of damage: the verdict replaces it everywhere.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Checks:
-    """Checks that a run made of itself; all unknown for a run that left no summary."""
+    """Checks of a run itself; all unknown for a run that left no summary."""
 
     findings: tuple[Finding, ...] = ()
 
@@ -65,7 +64,7 @@ class Checks:
         return max((found.verdict for found in self.findings), key=RANKS.index, default=UNKNOWN)
 
     @property
-    def reliable(self) -> bool:
+    def is_reliable(self) -> bool:
         """False for a run that is doubtful: its damage is not graded."""
         return self.worst != DOUBTFUL
 
@@ -79,7 +78,7 @@ class Checks:
         names = ", ".join(found.name.lower() for found in decisive)
         words = WORDS[self.worst] + (f": {names}" if names else "")
         grade, means, because = (whole["grade"], whole["grade_label"], whole["grade_reason"]) if whole else ("", "", "")
-        if not self.reliable:
+        if not self.is_reliable:
             grade, means, because = NOT_GRADED, "", ""
         return Verdict(grade, means, because, self.worst, words, "; ".join(found.why for found in decisive))
 
@@ -91,11 +90,11 @@ class Checks:
     def instead_of_a_grade(self) -> dict[str, str]:
         """Return the entries that replace the grade in the row of a part; none where the run can be relied on."""
         found = self.verdict()
-        return {} if self.reliable else {"grade": found.grade, "grade_label": found.words, "grade_reason": found.trust}
+        return {} if self.is_reliable else {"grade": found.grade, "grade_label": found.words, "grade_reason": found.trust}
 
 
 def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = None) -> Checks:
-    """Return the checks that a run made of itself, from its numbers.
+    """Return the checks of a run, from its numbers.
 
     Args:
         summary: of the run, or what its results hold of it; without keys where there is none.
@@ -125,7 +124,7 @@ def checks_of(summary: Summary, thresholds: Thresholds, end: EndState | None = N
 
 
 def checks_on(results: Results, thresholds: Thresholds, end: EndState) -> Checks:
-    """Return the checks that the run of a result file made of itself."""
+    """Return the checks of the run of a result file."""
     of_results = Summary(collapsed_blocks=len(collapsed_blocks(results, thresholds)), displacement_max=displacement_max(results))
     return checks_of((results.closing or Summary()) | of_results, thresholds, end)
 
@@ -201,8 +200,8 @@ def _energy(summary: Summary, thresholds: Thresholds) -> Finding:
     verdict = max(graded(share, BALANCE), GOOD if still else graded(lift, LIFT), key=RANKS.index)
     closes = "the energy balance closes" if closed else f"the energy balance is open by {100 * share:.2g} % of the largest work"
     lifted = f", and taking overlaps away put in {100 * lift:.2g} %{' of the largest work' if closed else ''}"
-    mend = tighter(summary.solver, lift, LIFT[1]) if verdict == DOUBTFUL and share <= BALANCE[1] else ""
-    return Finding(ENERGY, verdict, closes + (lifted + mend if lift > LIFT[0] else ""))
+    remedy = tighter(summary.solver, lift, LIFT[1]) if verdict == DOUBTFUL and share <= BALANCE[1] else ""
+    return Finding(ENERGY, verdict, closes + (lifted + remedy if lift > LIFT[0] else ""))
 
 
 def _overlap(summary: Summary, thresholds: Thresholds) -> Finding:

@@ -48,7 +48,7 @@ def standardised(columns: Sequence[np.ndarray]) -> np.ndarray:
 
 def without_model(beta: float, records: bool, text_varied: bool) -> Betas:
     """Where no number of the model varies."""
-    note = "what varies is no number: its share cannot be separated" if text_varied else "nothing but the records varies"
+    note = "what varies is not a number: its share cannot be separated" if text_varied else "nothing but the records varies"
     if not records:
         return Betas(None, None, "no records: beta is of what varies alone" if not text_varied else note)
     return Betas(beta if not text_varied else None, None, note)
@@ -56,7 +56,7 @@ def without_model(beta: float, records: bool, text_varied: bool) -> Betas:
 
 def of_counts(logs: np.ndarray, exceeded: np.ndarray, z: np.ndarray) -> Betas:
     """From runs (N,): ln IM, whether the limit state was exceeded, and what varied (N, k)."""
-    if _few(len(logs), z):
+    if _are_few(len(logs), z):
         return _too_few(len(logs))
     design = np.column_stack([np.ones(len(logs)), logs - logs.mean(), z])
     one = exceeded[None].astype(float)
@@ -66,7 +66,7 @@ def of_counts(logs: np.ndarray, exceeded: np.ndarray, z: np.ndarray) -> Betas:
 
 def of_cloud(cloud: Cloud, z: np.ndarray) -> Betas:
     """From a cloud of N runs and what varied (N, k)."""
-    if _few(int(cloud.exact.sum()), z):
+    if _are_few(int(cloud.exact.sum()), z):
         return _too_few(int(cloud.exact.sum()))
     x = np.column_stack([np.ones(len(z)), cloud.measure, z])
     kinds = ReplicateWeights(*(rows[None].astype(float) for rows in (cloud.exact, cloud.above, cloud.below)))
@@ -77,7 +77,7 @@ def of_cloud(cloud: Cloud, z: np.ndarray) -> Betas:
 def of_capacities(found: Capacities, z: np.ndarray) -> Betas:
     """From C capacities and what varied (C, k)."""
     exact = ~(found.above | found.below)
-    if _few(int(exact.sum()), z):
+    if _are_few(int(exact.sum()), z):
         return _too_few(int(exact.sum()))
     x = np.column_stack([np.ones(len(z)), z])
     kinds = ReplicateWeights(*(rows[None].astype(float) for rows in (exact, found.above, found.below)))
@@ -85,7 +85,7 @@ def of_capacities(found: Capacities, z: np.ndarray) -> Betas:
     return _parts(c[0, 1:], z, 1.0, float(scatter[0]))
 
 
-def _few(runs: int, z: np.ndarray) -> bool:
+def _are_few(runs: int, z: np.ndarray) -> bool:
     return runs < PER_COEFFICIENT * (2 + z.shape[1])
 
 

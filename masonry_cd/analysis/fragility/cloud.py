@@ -5,7 +5,7 @@ r"""Clouds: unscaled records, and a straight line through the logarithms.
     P(EDP > c | IM) = Phi( (a + b ln IM - ln c) / s ),      theta = exp((ln c - a) / b),    beta = s / b
 
 (Cornell, Jalayer, Hamburger & Foutch, J. Struct. Eng. 128(4), 2002; Jalayer, De Risi & Manfredi, Bull. Earthq. Eng. 13, 2015.) The
-opening of a joint whose block has fallen is no measurement. Of a run that collapsed all that is known is that it exceeds the limit
+opening of a joint whose block has fallen is not a measurement. Of a run that collapsed all that is known is that it exceeds the limit
 states, so that it enters the likelihood as an observation from below (tobit; Jalayer, Ebrahimian, Miano, Manfredi & Sezen, EESD 46,
 2017, separate the collapses by a logistic regression instead). In the same way, what is below a thousandth of the smallest limit is an
 observation from above: the logarithm of next to nothing must not steer the line. ``least_demand`` of the limit states raises that bound

@@ -49,7 +49,7 @@ class Flaw(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """A study with what follows from its runs, each computed once and only where it is asked for."""
+    """A study with the results of its runs, each computed once, on first use."""
 
     study: StudyResults
 
@@ -67,7 +67,7 @@ class Findings:
     def first_fits(self) -> list[Fit]:
         """One fit per limit state, by the method that its data suit best, of those that have one."""
         best: dict[Any, Fit] = {}
-        for fit in sorted(filter(lambda fit: fit.fitted, self.fits), key=lambda fit: ORDER.index(fit.method)):
+        for fit in sorted(filter(lambda fit: fit.is_fitted, self.fits), key=lambda fit: ORDER.index(fit.method)):
             best.setdefault(fit.limit, fit)
         return [best[limit] for limit in dict.fromkeys(fit.limit for fit in self.fits) if limit in best]
 
@@ -107,7 +107,7 @@ class Findings:
     def quantities(self) -> list[str]:
         """Columns worth a panel: those of continuous limit states, else what every run has; as many as fit."""
         study = self.study
-        asked = dict.fromkeys(limit.column for limit in study.limit_states if limit.continuous)
+        asked = dict.fromkeys(limit.column for limit in study.limit_states if limit.is_continuous)
         return [name for name in (asked or GENERAL) if np.isfinite(study.numbers(name)[study.done]).any()][:PANELS]
 
     @property
@@ -137,7 +137,7 @@ class Findings:
         few, of = bool(study.asked.measure) and 0 < len(study.motions) < FEW_RECORDS, f"of {int(done.sum())} runs"
         lost = f"{self.lost} of {study.count} runs failed or timed out"
         known = (
-            (self.lost, lost, "they are no data, and where they are the strongest, fits are biased"),
+            (self.lost, lost, "they have no result, and where they are the strongest, fits are biased"),
             (self.ungraded, f"{self.ungraded} {of} cannot be relied on", f"they are {NOT_GRADED}, and fits by grade leave them out"),
             (missed, f"{missed} {of} missed the tolerance in some steps", ""),
             (few, f"{counted(len(study.motions), 'record')}, and {FEW_RECORDS} are wanted", "the bands are too narrow"),
@@ -158,7 +158,7 @@ class Findings:
         """The range of grades over the runs, and how far they bear out what is fitted to them."""
         if not self.study.done.any():
             return Verdict("", "", "", UNKNOWN, "no verdict: no run has finished", "")
-        unfitted = dict.fromkeys(fit.limit.name for fit in self.fits if not fit.fitted)
+        unfitted = dict.fromkeys(fit.limit.name for fit in self.fits if not fit.is_fitted)
         none = [f"no fit of {', '.join(unfitted)}"] if unfitted else []
         why, grade = "; ".join([*(flaw.what for flaw in self.flaws), *none, *self.all_fits.warnings]), self._grades()
         if self.lost + self.ungraded > MANY * self.study.count:

@@ -57,27 +57,27 @@ class Fit:
     @property
     def theta(self) -> float:
         """Median, nan where there is none."""
-        return float(self.curve.theta[0]) if self.fitted else np.nan
+        return float(self.curve.theta[0]) if self.is_fitted else np.nan
 
     @property
     def beta(self) -> float:
         """Standard deviation of the logarithm, nan where there is none."""
-        return float(self.curve.beta[0]) if self.fitted else np.nan
+        return float(self.curve.beta[0]) if self.is_fitted else np.nan
 
     @property
-    def fitted(self) -> bool:
+    def is_fitted(self) -> bool:
         """Return True if the data carry the fit."""
         return bool(self.curve.state[0] == fragility.FITTED and np.isfinite(self.curve.theta[0]) and np.isfinite(self.curve.beta[0]))
 
     @property
     def theta_band(self) -> tuple[float, float]:
         """95 % band of the median."""
-        return band(self.replicated.theta) if self.fitted else (np.nan, np.nan)
+        return band(self.replicated.theta) if self.is_fitted else (np.nan, np.nan)
 
     @property
     def beta_band(self) -> tuple[float, float]:
         """95 % band of beta."""
-        return band(self.replicated.beta) if self.fitted else (np.nan, np.nan)
+        return band(self.replicated.beta) if self.is_fitted else (np.nan, np.nan)
 
     @property
     def quantiles(self) -> list[float]:
@@ -183,7 +183,7 @@ def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fi
 def _clouds(sample: Sample, measure: str) -> tuple[list[Fit], tuple[CloudFit, ...]]:
     """Fit by regressions, one per quantity and least demand."""
     fits, clouds = [], []
-    continuous = [limit for limit in sample.study.limit_states if limit.continuous]
+    continuous = [limit for limit in sample.study.limit_states if limit.is_continuous]
     for column, least in dict.fromkeys((limit.column, limit.least) for limit in continuous):
         limits = tuple(limit for limit in continuous if (limit.column, limit.least) == (column, least))
         here = sample.known(limits[0])
@@ -256,7 +256,7 @@ def _warnings(fit: Fit) -> list[str]:
         return [f"{who}: all {fit.runs} {unit} exceeded it, from {fit.measure} {least} on: no fragility; go lower"]
     if state == fragility.SEPARATED:
         return [f"{who}: {_between(fit)}: beta cannot be fitted; put levels in between"]
-    if not fit.fitted:
+    if not fit.is_fitted:
         return [f"{who}: it is exceeded no more often as {fit.measure} grows: no fragility; another measure may order the runs better"]
     if fit.method == "mle":
         _, exceeded, runs = by_level(fit.intensity, fit.over, np.ones((1, len(fit.over))))

@@ -87,7 +87,7 @@ def capacities(curves: Sequence[IdaCurve], limit: LimitState, values: np.ndarray
             found.append(float(curve.intensity[-1 if above[-1] else 0]))
         else:
             low, high = curve.intensity[first - 1], curve.intensity[first]
-            usable = limit.continuous and own[first - 1] > 0 and not collapsed[curve.rows[first]]
+            usable = limit.is_continuous and own[first - 1] > 0 and not collapsed[curve.rows[first]]
             share = np.log(limit.bound / own[first - 1]) / np.log(own[first] / own[first - 1]) if usable else 0.5
             found.append(float(np.exp(np.log(low) + np.clip(share, 0.0, 1.0) * np.log(high / low))))
     return Capacities(np.array(found), np.array(above, dtype=bool), np.array(below, dtype=bool))

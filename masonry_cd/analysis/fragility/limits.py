@@ -93,14 +93,14 @@ class LimitState:
         return values >= self.bound if self.equal else values > self.bound
 
     def exceeded_by(self, row: RunRow) -> bool | None:
-        """Return True if a run exceeded it; None of one that is no data, or whose grade is asked for and which is not graded."""
+        """Return True if a run exceeded it; None of one that has no result, or whose grade is requested and which is not graded."""
         value = row.number(self.column)
         if not row.done or (value is None and self.equal):
             return None
         return value is not None and bool(self.exceeded(np.array(value)))
 
     @property
-    def continuous(self) -> bool:
+    def is_continuous(self) -> bool:
         """Return True if its quantity is a positive measure with a logarithm, neither a count nor a grade."""
         return self.bound > 0 and self.column not in WHOLE_NUMBERS and not self.column.endswith("grade_number")
 

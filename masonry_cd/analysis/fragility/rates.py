@@ -33,7 +33,7 @@ class Rate:
     band: tuple[float, float]  # of most, 95 %
 
     @property
-    def bounded(self) -> bool:
+    def is_bounded(self) -> bool:
         """True where the rows of the hazard end within what contributes."""
         return self.most - self.least > APART * self.most
 
@@ -51,7 +51,7 @@ class Rate:
         text = f"{self.limit}: exceeded {self.most:.2g} times a year ({100 * LEVEL:.0f} %: {low:.2g} to {high:.2g})"
         text += f", {100 * row['probability_50_years']:.2g} % in {YEARS:g} years"
         end = f"; at least {self.least:.2g}: the rows of the hazard end within what contributes, and the rest counts in full"
-        return text + (end if self.bounded else "")
+        return text + (end if self.is_bounded else "")
 
 
 def hazard_of(numbers: Mapping[str, Any] | None) -> Hazard | None:

@@ -63,7 +63,7 @@ class Hazard:
         return len(self.intensity) > 0
 
     @property
-    def of_ag(self) -> bool:
+    def is_of_ag(self) -> bool:
         """True where the rows are of the ag that a code asks for."""
         return self.known and self.measure == PGA
 

@@ -40,7 +40,7 @@ COLUMNS = {  # of our own tables: key and factor
     "probability": ("probability", 1.0),
 }
 LEVEL = "poe-"
-NEAR = 1e-3  # degrees by which a site of a file may differ from the one that is asked for
+NEAR = 1e-3  # degrees by which a site of a file may differ from the requested one
 TIME, IMT = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)"), re.compile(r"""imt\s*=\s*['"]+([^'"]+)['"]""")
 SPECTRAL = re.compile(r"SA\(([\d.]+)\)")
 
@@ -65,7 +65,7 @@ def read_hazard(path: Path, site: tuple[float, float] | None) -> Read:
     except OSError as failure:
         raise InputError(path, f"cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:
-        raise InputError(path, "is no text in UTF-8") from None
+        raise InputError(path, "is not text in UTF-8") from None
     table = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not table:
         raise InputError(path, f"holds no table; its heading names columns: {', '.join(COLUMNS)}")

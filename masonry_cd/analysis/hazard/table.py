@@ -54,7 +54,7 @@ class HazardTable(Table):
     lon: Annotated[Number, Unit("degrees"), Field(ge=-180.0, le=180.0)] | None = None
     """Longitude of the site in a file of OpenQuake with several."""
     lat: Annotated[Number, Unit("degrees"), Field(ge=-90.0, le=90.0)] | None = None
-    """Its latitude."""
+    """Latitude of the site."""
     nominal_life: Annotated[Number, Field(ge=10.0, le=1000.0)] = 50.0
     """V_N [years]."""
     use_class: Literal["I", "II", "III", "IV"] = "II"

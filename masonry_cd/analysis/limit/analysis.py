@@ -112,7 +112,7 @@ class Analysis:
         return self.standing >= 1.0 - STANDS
 
     @property
-    def endless(self) -> bool:
+    def is_endless(self) -> bool:
         """Return True if no finite factor is known: none with dilation, and a search without it found none."""
         return self.unlimited and self.least is None
 
@@ -217,7 +217,7 @@ def with_more_starts(analysis: Analysis, assembly: Assembly, joints: Joints, mad
         seed: of it.
     """
     problem, best, least, starts = analysis.problem, analysis.associated.optimum, analysis.least, analysis.starts
-    while made < most and not (least is not None and least.agreed):
+    while made < most and not (least is not None and least.has_agreement):
         upto = min(made + 2, most)
         starts += upto - made
         least, made = merged(least, least_factor(problem, best, upto, seed, made, least), starts), upto

@@ -26,7 +26,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.admitted import admitted
 from masonry_cd.analysis.limit.analysis import HELD, Analysis, LimitOptions, largest_factor, searched_finely
-from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, FoundMechanism, alike, dilation, found_in
+from masonry_cd.analysis.limit.found import ASSOCIATED, SEARCH, FoundMechanism, are_alike, dilation, found_in
 from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.analysis.limit.overturning import overturning_below
 from masonry_cd.analysis.limit.part import FreedPart, Whole
@@ -110,7 +110,7 @@ def candidates(analysis: Analysis, untied: Sequence[Source], part: FreedPart) ->
         if not np.isfinite(factor):
             continue
         made = found_in(part, source, replace(optimum, factor=factor), dilation(analysis.problem, optimum))
-        if not any(alike(made, other) for other in out):
+        if not any(are_alike(made, other) for other in out):
             out.append(made)
     return out
 

@@ -8,7 +8,7 @@ At each step the blocks are where the last mechanism has brought them, their joi
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (a descent of
 :mod:`masonry_cd.analysis.limit.search` from the associated mechanism), when ``starts`` asks for it; otherwise the factor is the
-associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
+associated one, an upper bound, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
 
 **Bond** is lost in joints that have hinged, slid or opened. **Ties** pull as they are then directed, those that yielded are longer for
 good, and those that have become shorter pull nothing until they are as long again.
@@ -261,9 +261,7 @@ class _Path:
             out.append(f"sliding without dilation did not converge {where}: the associated factor is given there")
         slid = any(stage.mechanism.sliding.max(initial=0.0) > STILL for stage in self.stages)
         if slid and not self.options.analysis.starts:
-            out.append(
-                "joints slide: the curve has the associated factor, an upper value; limit.starts = 1 follows the one without dilation"
-            )
+            out.append("joints slide: the curve has the associated factor (upper bound); limit.starts = 1 follows the one without dilation")
         if self.make.uncorrected:
             out.append(f"no correction was found for {self.make.uncorrected} of the steps tried: there blocks go as the mechanism begins")
         if self.make.stopped:
@@ -271,7 +269,7 @@ class _Path:
         return tuple(out)
 
     def _control(self, first: CurveStage) -> Control:
-        """The block asked for, or the one that moves fastest along the load."""
+        """The requested block, or the one that moves fastest along the load."""
         live = first.loads.live[:, :3].sum(axis=0)
         velocity = first.mechanism.velocity[:, :3]
         size = float(np.linalg.norm(live))

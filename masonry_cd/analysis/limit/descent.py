@@ -18,13 +18,13 @@ strips alone, each with the normal forces of the one before, move it on.
 
 In space a stone may turn like a door about an upright edge through which all passes that bears on it. Nothing that is pressed slides, and
 no load at all starts it; real joints, pressed over an area, do not allow it. So strips of the corners of a joint share a little of their
-width, which leads descents past these and is no part of g; where a descent comes to no pair so, and none is known, it is made without.
+width, which leads descents past these and is not part of g; where a descent comes to no pair so, and none is known, it is made without.
 
 Once g is small, rounds hardly change more than the blocks that move and those that touch them. They continue with all others held, at a
 fraction of the cost (see neighbours.py), and forces in all blocks that belong to the mechanism are found at the end. Where there are none,
 rounds continue with all blocks.
 
-A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the agreement
+A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is not proof but the agreement
 of starts (see search.py). Cone programmes are solved to a tolerance, so that g in space is small and not zero; it is reported.
 """
 
@@ -52,7 +52,7 @@ WORST, FASTER, MOST = 0.05, 10.0, 1e4  # of points with more than this share of 
 LOWER = 2e-3  # share of the factor that a round takes off at least, once a pair is found
 STUCK, CLOSER = 1e-3, 0.8  # a round sticks that moves the factor by no more than this share of it and leaves more than that of g
 LOOSENED, STRIPS, AGAIN = 2, 4, 3.0  # how often a descent that sticks is moved on, each time by how many rounds of strips; M_k after it
-WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is no answer
+WORSE = 0.1  # share by which forces may cost more than those of the round before, which would do as well: more is not an answer
 SPREAD = 0.1  # share of the width of a joint's strips in space that its corners have in common
 IDLE = 1e-5  # power of the loads, over that of the largest factor that is looked for, up to which they do no work
 EXACT, NEARLY = 1e-7, 1e-3  # g of a pair, over the power of the loads: in a plane, and in space

@@ -49,7 +49,7 @@ def found_in(part: FreedPart, source: str, optimum: Optimum, dilates: float, nam
     return FoundMechanism(called, how, made, dilates, int(moves.moving.sum()), height, optimum.velocity, moves, stones)
 
 
-def alike(one: FoundMechanism, other: FoundMechanism) -> bool:
+def are_alike(one: FoundMechanism, other: FoundMechanism) -> bool:
     """True of one mechanism that was found twice in the same way."""
     near = abs(one.oscillator.alpha - other.oscillator.alpha) <= ALIKE * abs(other.oscillator.alpha)
     if one.mechanism is None or other.mechanism is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.analysis.limit.analysis import refuse_crushed, searched_finely
 from masonry_cd.analysis.limit.crushing import solved_finely
-from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, FoundMechanism, alike, dilation, found_in, gravest_followed
+from masonry_cd.analysis.limit.found import ASSOCIATED, FREE, SEARCH, FoundMechanism, are_alike, dilation, found_in, gravest_followed
 from masonry_cd.analysis.limit.linkage import with_displacements
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.analysis.limit.outcome import SearchNumbers
@@ -130,7 +130,7 @@ def _free(part: FreedPart, known: Sequence[FoundMechanism], effort: Effort) -> t
     out: list[FoundMechanism] = []
     for source, optimum in [*((SEARCH, end) for end in ends), *upper]:
         made = found_in(part, source, optimum, dilation(problem, optimum))
-        if not any(alike(made, other) for other in out):
+        if not any(are_alike(made, other) for other in out):
             out.append(made)
     return out, least
 

@@ -46,7 +46,7 @@ class Oscillator:
     displacement: np.ndarray  # (n,) of the control point, from zero [m]; empty where none is known at which the factor vanishes
     factor: np.ndarray  # (n,) alpha there, at most that at which it starts; the last is zero
     end: str = ""  # the reason why no displacement is known
-    doubt: str = ""  # the reason why the mechanism is no oscillator with one degree of freedom; then e* = 1
+    doubt: str = ""  # the reason why the mechanism is not an oscillator with one degree of freedom; then e* = 1
     by: str = ""  # how the displacements were found: BY_CURVE or BY_LINKAGE; empty where there are none
 
     @property
@@ -56,12 +56,12 @@ class Oscillator:
 
     @property
     def fraction(self) -> float:
-        """e*; one, the safe side, of what is no oscillator."""
+        """e*; one, the safe side, of what is not an oscillator."""
         return 1.0 if self.doubt else self.by_formula
 
     @property
     def by_formula(self) -> float:
-        """e* by its formula, also of what is no oscillator."""
+        """e* by its formula, also of what is not an oscillator."""
         return self.first**2 / (self.weight * self.second)
 
     @property
@@ -96,7 +96,7 @@ def oscillator(part: FreedPart, moves: Mechanism, factor: float, dilation: float
         moves: the mechanism.
         factor: at which it starts.
         dilation: work of normal forces on joints that open, as a share of the power of the loads.
-        curve: of the same push, for the displacements; None where none is asked for.
+        curve: of the same push, for the displacements; None where none is requested.
     """
     assembly, live, gravity = part.assembly, part.loads.live, float(np.linalg.norm(part.push))
     moving = moves.moving & ~assembly.fixed
@@ -127,7 +127,7 @@ def _no_displacement(moves: Mechanism, factor: float, curve: CapacityCurve | Non
 
 
 def _doubt(dilation: float, weight: np.ndarray, fraction: float) -> str:
-    """Why a mechanism is no oscillator, by its dilation, the weights of its bodies and its e*; empty where it is one."""
+    """Why a mechanism is not an oscillator, by its dilation, the weights of its bodies and its e*; empty where it is one."""
     if dilation > DILATES:
         return "the mechanism dilates, its joints open as they slide"
     bodies = float(weight.sum()) ** 2 / float(np.sum(weight**2))

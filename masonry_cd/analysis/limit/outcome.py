@@ -24,7 +24,7 @@ APART = 1e-2  # share of the factor by which the least and the associated one ma
 class SearchNumbers:
     """The search for the least factor without dilation."""
 
-    associated: float | None  # the factor of sliding that dilates, an upper value; None where it is not finite
+    associated: float | None  # the factor of sliding that dilates, an upper bound; None where it is not finite
     least: float | None  # None: not searched for, or no start came to an end
     starts: int  # that were made; 0: no search
     ended: int  # that came to an end
@@ -39,13 +39,13 @@ class SearchNumbers:
         return cls(associated, least.optimum.factor, least.starts, len(least.found), least.agreeing, least.spread)
 
     @property
-    def agreed(self) -> bool:
-        """True where enough starts agree for the least factor to count as known, which is no proof that it is the least."""
+    def has_agreement(self) -> bool:
+        """True where enough starts agree for the least factor to count as known, which is not proof that it is the least."""
         return self.least is not None and self.agreeing >= AGREE
 
 
 def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
-    """The verdict of a check by a code; None where none was asked for."""
+    """The verdict of a check by a code; None where none was requested."""
     if found is None:
         return None
     return Verdict(found["state"], "", found["reason"], SURE[found["confidence"]], found["confidence"], found["because"])
@@ -101,7 +101,7 @@ def _of_the_factor(facts: Mapping[str, Any], least: Mapping[str, Any] | None) ->
         why = f"the certificate leaves a gap of {gap:.2g}"
         return Verdict(f"load factor {upper:.4g}", "", "", DOUBTFUL, "do not rely on this factor: the cone programme did not close", why)
     if least is None:
-        why = "sliding that opens joints gives an upper value only; the least factor was not searched for"
+        why = "sliding that opens joints gives only an upper bound; the least factor was not searched for"
         return Verdict(f"load factor at most {upper:.4g}", "", "", LOOK, "check these points before you rely on the factor", why)
     factor, agreeing, starts = least["factor"], least["agreeing"], least["starts"]
     because = f"least found without dilation; at most {upper:.4g}, of sliding that opens joints"

@@ -61,7 +61,7 @@ def _resting_above(whole: Whole) -> np.ndarray:
 
 def _rows_below(whole: Whole, above: np.ndarray, direction: np.ndarray, factor: float) -> Iterator[tuple[float, list[int]]]:
     """The factor and the blocks of each row that a body below a factor stands on."""
-    assembly, beside = whole.assembly, _beside(whole, direction)
+    assembly, neighbour = whole.assembly, _neighbours(whole, direction)
     along = assembly.centre @ direction
     edge = np.array([lowest_toe(whole, np.array([b]), direction) for b in range(assembly.count)])
     for first in np.flatnonzero(~assembly.fixed):
@@ -72,13 +72,13 @@ def _rows_below(whole: Whole, above: np.ndarray, direction: np.ndarray, factor: 
             starts_at = (max(edge[row] @ direction) - float(mass @ along[body] / mass.sum())) / high if high > SAME else np.inf
             if 0.0 < starts_at < factor and not assembly.fixed[body].any():
                 yield starts_at, list(row)
-            if row[-1] not in beside:
+            if row[-1] not in neighbour:
                 break
-            row.append(beside[row[-1]])
+            row.append(neighbour[row[-1]])
             body |= above[row[-1]]
 
 
-def _beside(whole: Whole, direction: np.ndarray) -> dict[int, int]:
+def _neighbours(whole: Whole, direction: np.ndarray) -> dict[int, int]:
     """The next block of the same course to the left of a push, for those that have one."""
     joints, left = whole.joints, np.array([-direction[1], direction[0], 0.0])
     low, fixed = whole.box[0][:, 2], whole.assembly.fixed

@@ -236,12 +236,12 @@ def plane_of(assembly: Assembly, loads: BlockLoads) -> int | None:
         moved = loads.support_velocity
         still = moved is None or not moved[:, [column for column in across if column < moved.shape[1]]].any()
         size = 1e-9 * float(np.abs(forces).max(initial=0.0))
-        if still and not (np.abs(forces[:, across]) > size).any() and _in_plane(loads.bars, axis, at):
+        if still and not (np.abs(forces[:, across]) > size).any() and _is_in_plane(loads.bars, axis, at):
             return axis
     return None
 
 
-def _in_plane(bars: Bars, axis: int, at: float) -> bool:
+def _is_in_plane(bars: Bars, axis: int, at: float) -> bool:
     return bool((np.abs(bars.points[..., axis] - at) <= 1e-9 * max(1.0, abs(at))).all())
 
 

@@ -55,7 +55,7 @@ def least_factor(
 
 
 def polished(problem: LimitProblem, found: LeastFound, cap: float) -> LeastFound:
-    """A search whose least pair is lowered by rounds that begin close to it, from pair to pair, which is no further start."""
+    """A search whose least pair is lowered by rounds that begin close to it, from pair to pair, which is not a further start."""
     every = Search(problem, cap, found)
     every.beyond, every.exact = CLOSE, FINER * every.exact
     near = every.near(found.optimum.velocity)
@@ -133,11 +133,11 @@ def ends_of(problem: LimitProblem, mechanisms: Sequence[np.ndarray], cap: float,
         known: what was found before.
     """
     search = Search(problem, cap, known)
-    begun = [(velocity, float(problem.live @ velocity)) for velocity in mechanisms if not _held(problem, velocity)]
+    begun = [(velocity, float(problem.live @ velocity)) for velocity in mechanisms if not _is_held(problem, velocity)]
     return search.each(partial(search.descend, begin=LARGEST), [velocity / power for velocity, power in begun if power > 0.0])
 
 
-def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
+def _is_held(problem: LimitProblem, velocity: np.ndarray) -> bool:
     """True of a mechanism that stretches a tie which does not yield, or closes a joint."""
     longer = (problem.bars @ velocity)[~np.isfinite(problem.strength)]
     opening = (problem.jacobian @ velocity)[:: problem.directions]
@@ -148,7 +148,7 @@ def _held(problem: LimitProblem, velocity: np.ndarray) -> bool:
 def begun_at(problem: LimitProblem, before: Searched, mechanisms: Sequence[np.ndarray], cap: float) -> Searched:
     """A search that has begun at mechanisms as well; arguments as of :func:`ends_of`.
 
-    Descents from mechanisms that are alike come to one end, which is no agreement: those that come to one factor are one start.
+    Descents from mechanisms that are alike come to one end, which is not agreement: those that come to one factor are one start.
     """
     every, apart = ends_of(problem, mechanisms, cap, before.least), list[Pair]()
     for end in sorted(every, key=lambda pair: pair[0].factor):

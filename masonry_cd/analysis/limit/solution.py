@@ -60,8 +60,8 @@ class LeastFound:
         return sum(factor <= best + AGREEING * abs(best) for factor in self.found)
 
     @property
-    def agreed(self) -> bool:
-        """True where enough starts agree for the least factor to count as known, which is no proof that it is the least."""
+    def has_agreement(self) -> bool:
+        """True where enough starts agree for the least factor to count as known, which is not proof that it is the least."""
         return self.agreeing >= AGREE
 
     @property

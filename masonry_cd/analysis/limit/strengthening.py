@@ -38,7 +38,7 @@ from masonry_cd.analysis.limit.programme import largest
 from masonry_cd.mechanics.model.blocks import Assembly
 
 NOTHING = 1e-6  # share of its largest force below which a tie is none
-REACHED = 1e-9  # share of what is asked for that a cut may miss
+REACHED = 1e-9  # share of the target that a cut may miss
 GAP = 1e-9  # of mixed programmes, over the cost
 
 

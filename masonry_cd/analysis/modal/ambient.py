@@ -70,7 +70,7 @@ class Identification:
     """Modes of a record, and the poles among which they were found."""
 
     modes: tuple[AmbientMode, ...]
-    left: int  # clusters as stable, of higher frequency, that were not asked for
+    left: int  # clusters as stable, of higher frequency, beyond those requested
     frequency: np.ndarray  # (K,) of the poles [Hz]
     order: np.ndarray  # (K,) of the model they are of
     stable: np.ndarray  # (K,) bool
@@ -96,7 +96,7 @@ def identify(record: AmbientRecord, modes: int, lowest: float | None = None, hig
     highest = at_most if highest is None else highest
     lowest = OF_HIGHEST * highest if lowest is None else lowest
     if not lowest < highest <= at_most * (1.0 + 1e-9):
-        raise InputError("modal.lowest", f"{lowest:g} to {highest:g} Hz is no band up to {OF_RATE:g} of the rate, {at_most:.4g} Hz")
+        raise InputError("modal.lowest", f"{lowest:g} to {highest:g} Hz is not a band up to {OF_RATE:g} of the rate, {at_most:.4g} Hz")
     factor = max(1, int(at_most / highest * (1.0 + 1e-9)))
     values, rate = record.values - record.values.mean(axis=0), 1.0 / (factor * record.step)
     values = decimate(values, factor, ftype="fir", axis=0) if factor > 1 else values

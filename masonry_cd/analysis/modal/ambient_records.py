@@ -63,7 +63,7 @@ def _channel(heading: str, path: Path) -> tuple[str, str, float]:
     name, unit = split_heading(heading)
     factor = acceleration_unit(unit) if unit else None
     if factor is None:
-        said = "has no unit" if unit is None else f"{unit} is no unit of acceleration"
+        said = "has no unit" if unit is None else f"{unit} is not a unit of acceleration"
         raise InputError(path, f'column "{heading}": {said}; write sensor, axis and unit, such as A1_x_m_s2 or A1_x_mg')
     found = re.fullmatch(r"(.+)[ _]([xyz])", name)
     if found is None:

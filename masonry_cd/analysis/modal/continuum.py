@@ -45,7 +45,7 @@ def continuum_modes(
         blocks: of the structure, supports included.
         young: (B,) modulus of each block [Pa].
         poisson: Poisson's ratio.
-        count: modes asked for.
+        count: requested number of modes.
         size: of the elements [m]; about the thickness of the structure when not given.
         order: 2, or 1 for linear elements.
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.

@@ -90,7 +90,7 @@ def lowest_modes(
     Args:
         stiffness: (N, N) symmetric, positive semidefinite [N/m].
         mass: (N, N) symmetric, positive definite [kg].
-        count: modes asked for; fewer come back where there are fewer unknowns.
+        count: requested number of modes; fewer come back where there are fewer unknowns.
         scale: an eigenvalue typical of the structure, E / (density length^2) [1/s2]; shift and threshold are shares of it.
         factorise: makes what solves with a sparse matrix, :func:`by_superlu` or :class:`ByCholmod`.
 

@@ -46,7 +46,7 @@ def joint_modes(
         blocks: of the structure, supports included.
         young: (B,) modulus of each block [Pa].
         poisson: Poisson's ratio.
-        count: modes asked for.
+        count: requested number of modes.
         stiffness: k_n and k_t of all joints, or of each joint (J,), [Pa/m] instead of those that follow from the modulus.
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
         footings: blocks on springs of the ground; None: supports hold what stands on them.

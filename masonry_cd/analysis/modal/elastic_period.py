@@ -19,7 +19,7 @@ from masonry_cd.mechanics.model.joints import Joints
 
 YOUNG, SHEAR = 1.5e9, 0.5e9  # [Pa] where no masonry is named: split stone at its least, solid brick at its mean (Circolare 7/2019, C8.5.I)
 DAMPING = 0.05  # of the spectrum, as codes have it
-BESIDE = 0.05  # share of the power of a motion that its lesser horizontal direction has at the least to be looked at
+LESSER = 0.05  # share of the power of a motion that its lesser horizontal direction has at the least to be looked at
 
 
 def elastic_period(assembly: Assembly, joints: Joints, velocity: np.ndarray, dt: float, moduli: tuple[float, float] | None) -> Summary:
@@ -66,4 +66,4 @@ def _directions(acceleration: np.ndarray) -> list[np.ndarray]:
     first = np.array([np.cos(angle), np.sin(angle), 0.0])
     second = np.array([-first[1], first[0], 0.0])
     lesser = float(np.einsum("i,ij,j", second, power, second))
-    return [first, second] if lesser > BESIDE * (xx + yy) else [first]
+    return [first, second] if lesser > LESSER * (xx + yy) else [first]

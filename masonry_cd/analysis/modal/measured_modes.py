@@ -134,7 +134,7 @@ def cells(line: str, where: str) -> list[str]:
     """Return the cells of a line.
 
     Raises:
-        InputError: it is no line of a table.
+        InputError: it is not a line of a table.
     """
     try:
         return [cell.strip() for cell in next(csv.reader([line]))]

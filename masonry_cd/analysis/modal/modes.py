@@ -120,14 +120,14 @@ def young_of(blocks: Sequence[Block], young: float | Mapping[str, float]) -> np.
     """The modulus of each block, (B,) [Pa].
 
     Raises:
-        InputError: an unknown group, a group without a value, or a value that is no modulus in Pa.
+        InputError: an unknown group, a group without a value, or a value that is not a modulus in Pa.
     """
     groups = {block.group for block in blocks}
     table = dict(young) if isinstance(young, Mapping) else {"default": young}
     for group, value in table.items():
         key = f"modal.young.{group}" if isinstance(young, Mapping) else "modal.young"
         if group != "default" and group not in groups:
-            raise InputError(key, f'"{group}" is no group of blocks{suggest(group, groups)}; groups: {", ".join(sorted(groups))}')
+            raise InputError(key, f'"{group}" is not a group of blocks{suggest(group, groups)}; groups: {", ".join(sorted(groups))}')
         if not 1e5 <= value <= 1e13:
             raise InputError(key, f"should be between 1e5 and 1e13 Pa, got {value:g}")
     lacking = next((b.group for b in blocks if not b.fixed and b.group not in table and "default" not in table), None)
@@ -143,7 +143,7 @@ def _held(blocks: Sequence[Block], restraint: Mapping[str, str]) -> dict[str, np
         if group not in groups:
             raise InputError(
                 f"modal.restraint.{group}",
-                f'"{group}" is no group of supports{suggest(group, groups)}; groups: {", ".join(sorted(groups))}',
+                f'"{group}" is not a group of supports{suggest(group, groups)}; groups: {", ".join(sorted(groups))}',
             )
         if not set(axes) <= set(AXES):
             raise InputError(f"modal.restraint.{group}", f'should be made of the letters x, y and z, got "{axes}"')

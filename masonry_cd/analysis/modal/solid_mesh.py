@@ -25,7 +25,7 @@ CLUSTER = 48  # blocks united at a time
 MERGE = 24  # united clusters united at a time
 VOLUME = 1e-6  # relative difference between the volume of the mesh and of the blocks that is accepted
 MOST = 60_000  # tetrahedra that the default size aims to stay below
-LIMIT = 1e6  # of them, whatever size is asked for: gigabytes of a factor
+LIMIT = 1e6  # of them, whatever size is requested: gigabytes of a factor
 FILL = 8.5  # a regular tetrahedron fills side^3 / 8.5
 
 Tags = list[tuple[int, int]]
@@ -40,7 +40,7 @@ class SolidMesh:
     kind: np.ndarray  # (T,) index into the kinds of material
     support: np.ndarray  # (F,) index of the support that a triangle touches
     triangles: np.ndarray  # (F, 3)
-    size: float  # asked for [m]
+    size: float  # requested [m]
 
     @property
     def volume(self) -> float:
@@ -97,7 +97,7 @@ def _meshed(gmsh: Any, blocks: Sequence[Block], kinds: np.ndarray, size: float |
     solids, solid_kind = [], []
     for kind in np.unique(kinds[free]):
         members = [blocks[int(i)] for i in np.flatnonzero(free & (kinds == kind))]
-        parts: Sequence[Block | Path] = [_united(gmsh, members, folder, f"k{kind}")] if folder else members
+        parts: Sequence[Block | Path] = [_unite(gmsh, members, folder, f"k{kind}")] if folder else members
         gmsh.model.setCurrent(home)
         added = [tag for part in parts for tag in _add(occ, part)]
         solids += added
@@ -117,17 +117,17 @@ def _meshed(gmsh: Any, blocks: Sequence[Block], kinds: np.ndarray, size: float |
     return _collected(gmsh, kind_of, imprints, size)
 
 
-def _united(gmsh: Any, blocks: Sequence[Block], folder: Path, name: str) -> Path:
+def _unite(gmsh: Any, blocks: Sequence[Block], folder: Path, name: str) -> Path:
     """A file with the union of blocks, built cluster by cluster."""
     middles = np.array([block.vertices.mean(axis=0) for block in blocks])
     parts: list[Path] = []
     for k, cluster in enumerate(_clusters(middles, np.arange(len(blocks)))):
-        parts.append(_fused(gmsh, [blocks[i] for i in cluster], folder / f"{name}-{k}.brep"))
+        parts.append(_fuse(gmsh, [blocks[i] for i in cluster], folder / f"{name}-{k}.brep"))
     level = 0
     while len(parts) > 1:
         level += 1
         groups = [parts[k : k + MERGE] for k in range(0, len(parts), MERGE)]
-        parts = [_fused(gmsh, group, folder / f"{name}-{level}-{k}.brep") for k, group in enumerate(groups)]
+        parts = [_fuse(gmsh, group, folder / f"{name}-{level}-{k}.brep") for k, group in enumerate(groups)]
     return parts[0]
 
 
@@ -141,7 +141,7 @@ def _clusters(middles: np.ndarray, members: np.ndarray) -> list[np.ndarray]:
     return _clusters(middles, order[:half]) + _clusters(middles, order[half:])
 
 
-def _fused(gmsh: Any, parts: Sequence[Block | Path], path: Path) -> Path:
+def _fuse(gmsh: Any, parts: Sequence[Block | Path], path: Path) -> Path:
     """Unite blocks or files of solids in a model of their own, and write the union to a file."""
     gmsh.model.add("cluster")
     try:

@@ -39,7 +39,7 @@ def base_shear_max(run: Measured) -> float | None:
 NUMBERS = {
     "base_shear_max": Number(
         "largest base shear over weight",
-        "horizontal force of the supports over the weight, the mean between two frames; empty where a load acts on the blocks as well",
+        "horizontal force of the supports over the weight, averaged between two frames; empty where a load acts on the blocks directly",
         base_shear_max,
         {SUMMARY: LAST, STUDY: LAST, COMPARE: LAST, PAGE: LAST},
     ),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run that is measured: what numbers follow from, each computed once and only where it is asked for."""
+"""A measured run: the values from which numbers follow, each computed once, on first use."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Measured:
     @cached_property
     def damage(self) -> PartDamage:
         """The damage by part; its history is the last frame alone where the run has kept the largest drifts of all steps."""
-        last = np.array([self.results.frames - 1]) if self.results.peaks_of_steps else None
+        last = np.array([self.results.frames - 1]) if self.results.has_peaks_of_steps else None
         return self.known or part_damage(self.results, self.settings, last)
 
     @property
@@ -121,7 +121,7 @@ def damage_numbers(run: Measured, end: EndState) -> Summary:
     return (
         numbers
         | Summary(provisional=end.provisional, end=end.end)
-        | checks.as_summary(_whole(run) if checks.reliable else None)
+        | checks.as_summary(_whole(run) if checks.is_reliable else None)
         | (Summary(shocks=shock_rows(results, thresholds)) if results.shocks else Summary())
         | bonds(results)
         | cracked_stones(results)

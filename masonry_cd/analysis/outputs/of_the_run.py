@@ -14,7 +14,7 @@ NUMBERS = {
     # How far blocks moved relative to the base, and which fell
     "displacement_max": Number(
         "largest displacement",
-        "of a block, relative to the base, at any time step",
+        "largest displacement of a block relative to the base, over all time steps",
         lambda run: run.displacement_max,
         {SUMMARY: 0, STUDY: 2, STUDY_PAGE: 2, ASSESS: 0, ANSWER: 0, COMPARE: 0, PAGE: 2},
         "m",
@@ -23,7 +23,7 @@ NUMBERS = {
     ),
     "top_max": Number(
         "highest block, largest",
-        "largest displacement of the highest block along the horizontal direction in which it goes farthest, over the frames",
+        "largest displacement of the highest block over the frames, along the horizontal direction of its largest displacement",
         lambda run: float(np.abs(run.top).max(initial=0.0)),
         {COMPARE: 1},
         "m",
@@ -31,7 +31,7 @@ NUMBERS = {
     ),
     "top_residual": Number(
         "highest block, residual",
-        "what is left of it at the end",
+        "displacement of the highest block along that direction at the end",
         lambda run: float(run.top[-1]) if len(run.top) else None,
         {COMPARE: 2},
         "m",
@@ -39,14 +39,14 @@ NUMBERS = {
     ),
     "drift": Number(
         "largest drift",
-        "of the structure as a whole: horizontal displacement over height, over all steps",
+        "largest drift of the structure as a whole, horizontal displacement over height, over all time steps",
         lambda run: finite(run.whole["max_drift"]),
         {STUDY: 4, STUDY_PAGE: 3, COMPARE: 3},
         shown=("%", 100.0),
     ),
     "residual_drift": Number(
         "residual drift",
-        "what is left of it at the end",
+        "drift of the structure as a whole at the end",
         lambda run: finite(run.whole["residual_drift"]),
         {COMPARE: 4},
         shown=("%", 100.0),
@@ -89,7 +89,7 @@ NUMBERS = {
     ),
     "residual_opening": Number(
         "residual opening",
-        "widest opening that is left at the end, of a joint that is not separated",
+        "widest opening at the end, of a joint that is not separated",
         lambda run: float(run.table.residual_opening[run.table.state != "separated"].max(initial=0.0)),
         {STUDY: 3, ASSESS: 2, ANSWER: 2},
         "m",
@@ -97,7 +97,7 @@ NUMBERS = {
         short="residual",
     ),
     # How a run was computed
-    "steps": Number("steps", "time steps made", lambda run: run.summary.steps, {STUDY: 10, ASSESS: 6}, whole=True, judges=False),
+    "steps": Number("steps", "number of time steps", lambda run: run.summary.steps, {STUDY: 10, ASSESS: 6}, whole=True, judges=False),
     "steps_missed": Number(
         "steps missed",
         "steps whose error is above the tolerance",
@@ -113,31 +113,31 @@ NUMBERS = {
     ),
     "provisional": Number(
         "provisional",
-        "why what is left at the end is not the last; empty where the run ended at rest",
+        "why residual values are provisional; empty where the run ended at rest",
         lambda run: run.summary.provisional,
         {STUDY: 13, ASSESS: 9},
         judges=False,
     ),
     "loads_acted": Number(
         "loads that acted",
-        "least share of a load that has acted by the end of the run; 1 where all act from the start",
+        "smallest share of a load that has acted by the end of the run; 1 where all act from the start",
         lambda run: min((one.share for one in run.summary.loads.acted or ()), default=1.0),
         {STUDY: 14, ASSESS: 10},
         judges=False,
     ),
     "end": Number(
-        "end of the run", "time of its last frame", lambda run: float(run.results.time[-1]), {COMPARE: 5}, "s", ("s", 1.0), judges=False
+        "end of the run", "time of the last frame", lambda run: float(run.results.time[-1]), {COMPARE: 5}, "s", ("s", 1.0), judges=False
     ),
     # What the structure comes to: its grade, the load factor that it bears
     "grade": Number(
         "grade",
-        "of damage of the structure as a whole, D0 to D5, or not graded",
+        "damage grade of the structure as a whole, D0 to D5, or not graded",
         lambda run: run.whole["grade"],
         {STUDY: 7, STUDY_PAGE: 6, ASSESS: 3},
     ),
     "grade_number": Number(
         "damage grade",
-        "its number; empty of a run that is not graded",
+        "number of the grade; empty for a run that is not graded",
         lambda run: grade_number(run.whole["grade"]),
         {STUDY: 8, ANSWER: 3},
         whole=True,
@@ -145,7 +145,7 @@ NUMBERS = {
     ),
     "load_factor": Number(
         "load factor",
-        "at which the structure gave way to a push or a tilt; empty where it did not",
+        "load factor at which the structure failed under a push or a tilt; empty where it did not fail",
         lambda run: None if run.summary.load_factor is None else run.summary.load_factor.given_way,
         {STUDY: 9, ASSESS: 5, ANSWER: 5},
         short="factor",

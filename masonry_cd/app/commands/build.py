@@ -57,7 +57,7 @@ def build(
     formats = tuple(dict.fromkeys(formats))
     for name in formats:
         if name not in BLOCKS:
-            raise InputError("--format", f'"{name}" is none; formats: {", ".join(BLOCKS)}')
+            raise InputError("--format", f'"{name}" is not a format; choose one of {", ".join(BLOCKS)}')
     marks = [name for name in files_of("build") if not name.startswith("blocks.") or name.removeprefix("blocks.") in formats]
     refused_before = not any((folder / f"blocks.{name}").exists() for name in BLOCKS)
     free_folder(folder, tuple(marks), force or refused_before)  # the plan of what was refused gives way
@@ -96,7 +96,7 @@ def repairs(asked: Iterable[str]) -> list[str]:
     for repair in asked:
         what, _, width = repair.partition("=")
         if what not in ("shells", "gaps") or (what == "gaps") != bool(width):
-            raise InputError("--repair", f'"{repair}" is none; shells, or gaps=WIDTH with the widest gap to close [m]')
+            raise InputError("--repair", f'"{repair}" is not a repair; write shells, or gaps=WIDTH with the widest gap to close [m]')
         changes.append("structure.repair=true" if what == "shells" else f"structure.gaps={width}")
     return changes
 
@@ -124,12 +124,12 @@ def _write_blocks(made: MadeStructure, folder: Path, formats: Sequence[str]) -> 
         return written, []
     fillfile.write(folder / fillfile.FILL_FILE, made.blocks, made.fills)
     nameless = ", ".join(f"blocks.{name}" for name in formats if name not in (JSON, "step", *meshfile.MARKED))
-    lines = [f"{nameless} keep no names of blocks, by which {fillfile.FILL_FILE} puts the fill back"] if nameless else []
+    lines = [f"{nameless} cannot store names of blocks, which {fillfile.FILL_FILE} needs to restore the fill"] if nameless else []
     return [*written, folder / fillfile.FILL_FILE], lines
 
 
 def _draw(scene: Scene, made: MadeStructure, folder: Path, picture: bool) -> list[Path]:
-    """Draw structure.png where it is asked for."""
+    """Draw structure.png where it is requested."""
     if not picture:
         return []
     from reports.drawing.figure import Sheet
@@ -143,10 +143,10 @@ def _draw(scene: Scene, made: MadeStructure, folder: Path, picture: bool) -> lis
 def _draw_problem(fault: Unsound, folder: Path, say: Say) -> None:
     """Draw problem.png where the libraries for it are installed, else warn on standard error; the error itself is reported in any case."""
     try:
-        from reports.drawing.refused_blocks import problem_picture
+        from reports.drawing.refused_blocks import draw_refused_blocks
 
         own_files.begin(folder, ("problem.png",))
-        problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
+        draw_refused_blocks(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
     except (ImportError, InputError) as failure:
         said(True)(f"masonry-cd: warning: problem.png is not drawn: {failure}")
     else:
@@ -172,7 +172,7 @@ def _write_plan(scene: Scene, folder: Path, picture: bool, error: InputError | N
     Args:
         scene: of a structure.
         folder: which gets the files.
-        picture: whether plan.svg is asked for.
+        picture: whether plan.svg is requested.
         error: for which the structure is refused.
         blocks: names of those that are unsound.
 
@@ -207,10 +207,10 @@ def _write_plan(scene: Scene, folder: Path, picture: bool, error: InputError | N
 
 def _draw_plan(plan: DrawnPlan, path: Path, title: str, wrong: Collection[str], faults: Sequence[str]) -> None:
     """Draw plan.svg: the walls, and the outlines of vaults and columns; what is wrong in red."""
-    from reports.drawing.plan_picture import plan_picture
+    from reports.drawing.plan_picture import draw_plan
 
     others = [(vault["shape"], np.array(vault["corners"], dtype=float)) for vault in plan.tables.get("vaults", ()) if vault.get("corners")]
     for column in plan.tables.get("columns", ()):
         at, half = np.array(column["at"], dtype=float), 0.5 * float(column.get("size", 0.6))
         others += [("", place + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])) for place in at.reshape(-1, 2)]
-    plan_picture(plan.walls, others, path, title, wrong, faults)
+    draw_plan(plan.walls, others, path, title, wrong, faults)

@@ -38,7 +38,7 @@ def export(folder: Path, form: str = "vtkhdf", output: Path | None = None) -> Re
         InputError: no run, or no such format.
     """
     if form in DECKS:
-        raise InputError(folder, f"is the folder of a run; a deck for {form} is made of a scene file")
+        raise InputError(folder, f"is the folder of a run; a deck for {form} needs a scene file")
     with Results.open(folder / "result.h5") as results:
         thresholds = outputs.thresholds_of(report_of(results.tables))
         written = paraview.export(results, output or folder / "paraview", form, thresholds)
@@ -59,8 +59,8 @@ def deck(scene: Scene, form: str, folder: Path, force: bool = False) -> Result[N
     """
     if form not in DECKS:
         every = [*PARAVIEW, *DECKS]
-        none = f'"{form}" is none{suggest(form, every)}; formats: {", ".join(every)}'
-        raise InputError("--format", f"{form} is of a run; give its folder" if form in PARAVIEW else none)
+        none = f'"{form}" is not a format{suggest(form, every)}; choose one of {", ".join(every)}'
+        raise InputError("--format", f"{form} exports a run; give its folder" if form in PARAVIEW else none)
     case = prepare(scene)
     texts = DECKS[form](_deck(case))
     names = files_of("export")
@@ -81,19 +81,19 @@ def _deck(case: Case) -> Deck:
     """
     loading, run = case.loading, case.scene.run
     if loading.forces is not None:
-        raise InputError("--format", "decks hold the motion of supports, and this scene has ties, forces or pushes on blocks as well")
+        raise InputError("--format", "decks have motions of supports only, but this scene has ties, forces or pushes on blocks")
     if not np.allclose(loading.acceleration, run.gravity, rtol=0.0, atol=1e-9):
-        raise InputError("--format", "decks hold a constant gravity, and the loads of this scene change it or pull on all blocks")
+        raise InputError("--format", "decks have a constant gravity only, but loads of this scene change it or accelerate all blocks")
     if case.events:
-        raise InputError("--format", "decks hold one model, and events change that of this scene ([[events]])")
+        raise InputError("--format", "decks have a constant model, but events change that of this scene ([[events]])")
     if case.assembly.footings is not None:
-        raise InputError("--format", "decks hold supports that move as prescribed, and those of this scene stand on [[ground]]")
+        raise InputError("--format", "decks have supports with a prescribed motion, but those of this scene stand on [[ground]]")
     if case.assembly.links or case.assembly.restitution.any():
         what = "links" if case.assembly.links else "restitution"
-        raise InputError("--format", f"decks have contacts that neither hold nor throw back, and this scene has {what}")
+        raise InputError("--format", f"decks have contacts without links or restitution, but this scene has {what}")
     if loading.support_velocity[..., 3:].any():
-        raise InputError("--format", "decks hold supports that move along the axes, and some of this scene turn")
+        raise InputError("--format", "decks have supports that move without turning, but some of this scene turn")
     if run.first_velocities is not None:
-        raise InputError("--format", "blocks of a deck begin at rest, and those of this scene do not (run.first_velocities)")
+        raise InputError("--format", "blocks of a deck start at rest, but those of this scene do not (run.first_velocities)")
     motion = loading.support_velocity[: run.steps + 1, :, :3]
     return Deck(case.scene.title, case.assembly, motion, np.array(run.gravity), run.dt, run.theta, run.tolerance)

@@ -6,7 +6,7 @@ modal.csv             one row per model and mode: frequency, participating masse
 shapes_<model>.csv    shapes at the centroids of the blocks, in the form in which measured modes are read
 modes_<model>.png     pictures of the first modes
 ambient.csv           modes identified from an ambient record, in that form too; stabilisation.png shows how
-mesh_convergence.csv  frequencies of the continuum by size of the elements, where asked for
+mesh_convergence.csv  frequencies of the continuum by size of the elements, where requested
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class ModalOptions(BaseModel):
     pictures: Annotated[int, Field(ge=0)] = 6
     """Modes to draw; 0 for none."""
     view: Literal["front", "back", "side", "left", "top", "isometric"] = "isometric"
-    """From where."""
+    """View of the picture."""
 
     @model_validator(mode="after")
     def _fit_needs_measured(self) -> ModalOptions:
@@ -93,7 +93,7 @@ class ModalOptions(BaseModel):
         if self.reference is not None and self.ambient is not None:
             raise ValueError("reference and ambient both give the measured modes: give one of them")
         if (self.ambient is None) != (self.sensors is None) or (self.ambient is None and (self.lowest or self.highest)):
-            raise ValueError("ambient and sensors, a record and the places of its sensors, need each other, lowest and highest need them")
+            raise ValueError("give ambient (a record) and sensors (the positions of its sensors) together; lowest and highest need both")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
             raise ValueError("tangential_stiffness needs normal_stiffness as well")
         return self
@@ -177,15 +177,15 @@ def _on_ground(scene: Scene, asked: ModalOptions, structure: BuiltStructure) -> 
     """Return the options of a scene whose supports stand on ground, its structure with footings, and a line on the model left out.
 
     Raises:
-        InputError: the continuum is asked for, which knows no ground.
+        InputError: the continuum is requested, which knows no ground.
     """
     from masonry_cd.app.case import on_ground
 
     if asked.method == "continuum":
-        raise InputError("modal.method", 'the continuum has held supports; "joints" has the springs of [[ground]], --set ground=[] none')
+        raise InputError("modal.method", 'the continuum needs fixed supports; use the method "joints", or --set ground=[]')
     if any(table.uplift for table in scene.ground):
-        raise InputError("ground.uplift", "modes are of footings on springs, which do not lift off; --set ground[0].uplift=false")
-    left = ["continuum: left out, it has held supports, and those of this scene stand on [[ground]]"] if asked.method == "both" else []
+        raise InputError("ground.uplift", "modes need footings that do not lift off; add --set ground[0].uplift=false")
+    left = ["continuum: left out; it needs fixed supports, and those of this scene stand on [[ground]]"] if asked.method == "both" else []
     return asked.model_copy(update={"method": "joints"}), on_ground(scene, structure), left
 
 
@@ -199,7 +199,9 @@ def _of_masonry(
     """
     if asked.young is not None or material is None or material.joint_moduli is None:
         if asked.young is None and not asked.fit:
-            raise InputError("modal", "no modulus of elasticity: give young in Pa, name material.masonry, or fit it to measured modes")
+            raise InputError(
+                "modal", "the modulus of elasticity is missing: give young, name material.masonry, or fit it to measured modes"
+            )
         return asked, asked.joint_stiffness
     from masonry_cd.mechanics.contact.find_joints import find_joints
     from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
@@ -325,11 +327,9 @@ def _warnings(result: ModelComparison) -> list[str]:
         )
     for p in result.pairs:
         if p.mode is None:
-            lines.append(f"{result.modes.method}: no computed mode answers to measured mode {p.measured_mode}")
+            lines.append(f"{result.modes.method}: no computed mode matches measured mode {p.measured_mode}")
         elif p.mac < ALIKE:
-            lines.append(
-                f"{result.modes.method}: measured mode {p.measured_mode} resembles computed mode {p.mode} by a MAC of {p.mac:.2f} only"
-            )
+            lines.append(f"{result.modes.method}: measured mode {p.measured_mode} matches computed mode {p.mode} poorly (MAC {p.mac:.2f})")
     return lines
 
 
@@ -360,11 +360,11 @@ def _write(
     if summary["mesh_convergence"]:
         write_rows(folder / "mesh_convergence.csv", summary["mesh_convergence"])
     if asked.pictures:
-        from reports.modes_picture import modes_picture
+        from reports.modes_picture import draw_modes
 
         for result in results:
             path = folder / f"modes_{result.modes.method}.png"
-            modes_picture(result.modes, blocks, path, summary["title"], _captions(result), asked.pictures, asked.view)
+            draw_modes(result.modes, blocks, path, summary["title"], _captions(result), asked.pictures, asked.view)
     return [folder / name for name in OUTPUTS if (folder / name).exists()]
 
 

@@ -85,7 +85,7 @@ def _summary_of(results: Results, folder: Path) -> tuple[Summary, list[str]]:
     except Newer:
         raise
     except InputError as reason:
-        found, words = None, [f"{reason}; {'the report does without it' if known is None else 'it is written again'}"]
+        found, words = None, [f"{reason}; {'the report is written without it' if known is None else 'it is written again'}"]
         if known is not None:
             (folder / NAME).unlink()
     return found or known or Summary(), words

@@ -71,7 +71,7 @@ def computed(case: Case, folder: Path, asked: RunRequest, say: Say = silent) -> 
     try:
         summary = run_case(case, folder, asked.quiet, asked.resume, parse_steps(asked.dump), own=asked.own)
     except Interrupted as signal:  # the steps are done; what is left to write is not
-        return Result(None, stopped=str(signal), signal=signal.number, resumable=True, warnings=[f"{signal} before all was written"])
+        return Result(None, stopped=str(signal), signal=signal.number, resumable=True, warnings=[f"{signal} before all files were written"])
     lines = closing_lines(summary)
     if asked.explain:
         lines += ["left out, and why:", *(f"- {line}" for line in summary.explanation)]

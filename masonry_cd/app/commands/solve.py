@@ -45,7 +45,7 @@ def solve(
     if not 0.0 < tolerance < 1.0:
         raise InputError("tolerance", f"should be between 0 and 1, got {tolerance:g}")
     if output is not None and Path(output).suffix != ".npz":
-        raise InputError(output, "the solution is written to a file of its own, SOLUTION.npz")
+        raise InputError(output, "give another file for the solution, SOLUTION.npz")
     problem = read_problem(path)
     if output is not None:
         Path(output).parent.mkdir(parents=True, exist_ok=True)
@@ -73,7 +73,7 @@ def solve(
         f"error {error:.3e} (unscaled {found['error_unscaled']:.3e}), {solution.iterations} iterations",
         f"{seconds:.3g} s",
     ]
-    missed = [] if found["converged"] else [f"the tolerance {tolerance:g} was missed, the error is {error:.1e}"]
+    missed = [] if found["converged"] else [f"the solver missed the tolerance {tolerance:g}; the error is {error:.1e}"]
     return Result(found, lines, missed, [] if output is None else [Path(output)])
 
 

@@ -32,17 +32,17 @@ def view(folder: Path) -> Result[Path]:
 def _page_of(folder: Path) -> Path:
     """The page of a run or of a study."""
     if not folder.is_dir():
-        raise InputError(folder, "is a file; a folder of a run is needed" if folder.exists() else "no such folder")
+        raise InputError(folder, "is a file; give the folder of a run" if folder.exists() else "no such folder")
     of_study = (folder / "study.json").is_file()
     page = folder / (STUDY_PAGE if of_study else PAGE)
     if not page.is_file():
         if of_study:
-            remedy = f"masonry-cd study STUDY -o {folder} --report makes it of the runs that are there"
+            remedy = f"write it from the finished runs with masonry-cd study STUDY -o {folder} --report"
         elif (folder / "result.h5").is_file():
-            remedy = f"masonry-cd report {folder} --html makes it"
+            remedy = f"write it with masonry-cd report {folder} --html"
         else:
-            remedy = "and no result.h5, from which it could be made"
-        raise InputError(folder, f"holds no {page.name}; {remedy}")
+            remedy = "nor result.h5, from which it could be written"
+        raise InputError(folder, f"has no {page.name}; {remedy}")
     return page
 
 

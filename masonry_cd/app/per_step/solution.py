@@ -11,14 +11,14 @@ QUANTITIES = {
         f"energy/{name}": Quantity(lambda made, name=name: made.stepper.energy[name], words, "J")  # type: ignore[misc]
         for name, words in ENERGIES.items()
     },
-    "step_time": Quantity(lambda made: made.stepper.state.time, "at the end of the step", "s"),
-    "load_step": Quantity(lambda made: made.load_step, "step of the loads that was applied", whole=True),
+    "step_time": Quantity(lambda made: made.stepper.state.time, "time at the end of the step", "s"),
+    "load_step": Quantity(lambda made: made.load_step, "applied step of the loads", whole=True),
     "penetration": Quantity(lambda made: made.report.penetration, "largest overlap of rigid contacts", "m"),
-    "solver/iterations": Quantity(lambda made: made.report.iterations, "of the solver", whole=True),
+    "solver/iterations": Quantity(lambda made: made.report.iterations, "iterations of the solver", whole=True),
     "solver/error": Quantity(lambda made: made.report.error, "natural map error"),
-    "solver/seconds": Quantity(lambda made: made.report.seconds, "of the clock", "s"),
-    "solver/contacts": Quantity(lambda made: made.report.contacts, "contact points", whole=True),
+    "solver/seconds": Quantity(lambda made: made.report.seconds, "elapsed time", "s"),
+    "solver/contacts": Quantity(lambda made: made.report.contacts, "number of contact points", whole=True),
     "solver/violation": Quantity(lambda made: made.report.violation.speed, "largest violation of the contact laws", "m/s"),
-    "solver/false_slip": Quantity(lambda made: made.report.violation.slip, "that violations have added up to at a contact", "m"),
-    "solver/false_opening": Quantity(lambda made: made.report.violation.opening, "that a violation has left at a contact", "m"),
+    "solver/false_slip": Quantity(lambda made: made.report.violation.slip, "largest slip accumulated from violations at a contact", "m"),
+    "solver/false_opening": Quantity(lambda made: made.report.violation.opening, "largest opening left by a violation at a contact", "m"),
 }

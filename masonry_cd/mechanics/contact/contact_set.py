@@ -20,7 +20,7 @@ class ContactSet(NamedTuple):
     point: np.ndarray  # (C, 3) world frame [m]
     normal: np.ndarray  # (C, 3) unit
     gap: np.ndarray  # (C,) [m], negative when the blocks overlap
-    area: np.ndarray  # (C,) share of the joint's area where its law goes by area, else 0 [m2]
+    area: np.ndarray  # (C,) share of the joint's area where its law is per area, else 0 [m2]
     pair: np.ndarray  # (C,) row of the detector's pair list
     previous: np.ndarray  # (C,) the same contact in the last set, -1 for a new one
     exchanged: np.ndarray  # (C,) bool: one of the points that its joint has got in place of others, whose slip they take over

@@ -86,7 +86,7 @@ class Detector:
 
     @property
     def pairs(self) -> np.ndarray:
-        """(P, 2) parts that may meet before the list is made again."""
+        """(P, 2) parts that may meet before the list is rebuilt."""
         return self._memory.parts
 
     @property
@@ -184,7 +184,7 @@ class Detector:
         stored.real("allowance", len(shapes.part_block), finite=False)
         stored.whole("tally", 4)
         stored.whole("rebuilds")
-        stored.nothing_else()
+        stored.check_all_read()
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""

@@ -7,7 +7,7 @@ whose meshes do not match has an exact counterpart of forces at these points, on
 (the patch test, Taylor & Papadopoulos, 1991). The corners of the overlap of the whole faces do not have it: forces there bend the meshes
 between them. Nodes against faces, one side or both, have it for matching meshes only.
 
-A joint whose law goes by area shares the area of each such overlap out among its corners and centroid (``manifold.py``).
+A joint whose law is per area shares the area of each such overlap out among its corners and centroid (``manifold.py``).
 
 In a plane the facets of a face are strips across it.
 """

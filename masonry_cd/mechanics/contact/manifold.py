@@ -9,7 +9,7 @@ must not wedge each other apart. Corners that have moved less than SNAP off a si
 **Crossing edges**: one point, midway between them. Where one of them ends before they come nearest, the axis across them is not the
 shortest way from one part to the other: such edges have a point only where they are within reach all the same.
 
-**Areas.** A joint whose law goes by area, elastic or bonded, has one more point, at the centroid of its polygon, and shares its area out so
+**Areas.** A joint whose law is per area, elastic or bonded, has one more point, at the centroid of its polygon, and shares its area out so
 that springs at the points act as springs all over it. With A_i the triangles (centroid, c_i, c_i+1), c seen from the centroid,
 
     w_i = lambda (A_i-1 + A_i) / 6 at corner i, the rest at the centroid,   lambda = 1 + sum A_i c_i . c_i+1 / sum A_i (c_i^2 + c_i+1^2).
@@ -42,7 +42,7 @@ class Manifold(NamedTuple):
 
     point: np.ndarray  # (N, 3) [m]
     height: np.ndarray  # (N,) gap [m]; side distances while the polygon is clipped
-    area: np.ndarray  # (N,) share of the joint's area [m2], where its law goes by area
+    area: np.ndarray  # (N,) share of the joint's area [m2], where its law is per area
     other: np.ndarray  # (N, 3) scratch
 
     @classmethod

@@ -210,7 +210,7 @@ def update_gaps(memory, k, now, affine):
 
 @borrower()
 def let_go(memory, k):
-    """Reduce the points of pair k as it comes apart: to none, or to those that may be crushed, far from one another."""
+    """Reduce the points of pair k as it separates: to none, or to those that may be crushed, far from one another."""
     if memory.light[k] >= 0.0:
         memory.point_count[k], memory.spread[k] = 0, False
     for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):

@@ -6,8 +6,8 @@ normal is along the line between them. Where c itself is in the polyhedron, it i
 other part is the other centre, and gap = d - R_a - R_b. The point lies midway between the two surfaces. A pair has one point at most, so it
 continues that of the last set, however far it has rolled.
 
-**Seams.** Where a face goes on in that of another block, the edge between them is no obstacle, but the plane across the line to it is: a
-sphere that comes to it within the step would run into that plane, though it stays clear of the edge all the way. So where the gap of an
+**Seams.** Where a face goes on in that of another block, the edge between them is not an obstacle, but the plane across the line to it is:
+a sphere that comes to it within the step would run into that plane, though it stays clear of the edge all the way. So where the gap of an
 edge or a corner closes by this plane and not in truth, as the centre now moves, the plane is that of the end of its motion s. Overlaps
 below s^2 / 2 R, by which plane and sphere differ, are no hit, up to SHALLOW of R.
 
@@ -218,12 +218,12 @@ def round_depths(solids: Polyhedra, rounding: np.ndarray, pairs: np.ndarray) -> 
     ``rounding`` (P,) is the radius of spheres, 0 of polyhedra [m].
     """
     out = np.empty(len(pairs))
-    _round_depths(solids, rounding, pairs, out)
+    _fill_round_depths(solids, rounding, pairs, out)
     return out
 
 
 @entry()
-def _round_depths(solids: Polyhedra, rounding: np.ndarray, pairs: np.ndarray, out: np.ndarray) -> None:
+def _fill_round_depths(solids: Polyhedra, rounding: np.ndarray, pairs: np.ndarray, out: np.ndarray) -> None:
     """Fill ``out`` (n,), see :func:`round_depths`."""
     placed = Placed(solids.vertices, solids.normals, WHOLE, WHOLE)
     for k in range(pairs.shape[0]):

@@ -206,12 +206,12 @@ def depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray) -> np.ndarr
     A depth below ``enough`` (n,) [m] may come out larger than it is, but not above ``enough``: the first axis that shows this will do.
     """
     out = np.empty(len(pairs))
-    _depths(solids, pairs, enough, out)
+    _fill_depths(solids, pairs, enough, out)
     return out
 
 
 @entry()
-def _depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray, out: np.ndarray) -> None:
+def _fill_depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray, out: np.ndarray) -> None:
     """Fill ``out`` (n,), see :func:`depths`."""
     placed = Placed(solids.vertices, solids.normals, WHOLE, WHOLE)
     for k in range(pairs.shape[0]):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Steps of a run whose length adapts: choose one, make it, judge it, and make it again if it has to be.
 
-The rules are in ``step_control.py``, what they judge by in ``local_error.py``. A step that is made again begins where it began: blocks,
+The rules are in ``step_control.py``, what they judge by in ``local_error.py``. A repeated step begins where it began: blocks,
 joints, contacts remembered and energies are put back; only what the solver has learnt about its parameters stays.
 """
 
@@ -29,7 +29,7 @@ def error_tolerance(settings: Run, assembly: Assembly) -> float:
 
 
 class AdaptedStep(NamedTuple):
-    """A step that stands, and what it took."""
+    """An accepted step, and its cost."""
 
     report: StepReport  # iterations and seconds with those of the attempts
     span: int  # ticks
@@ -47,9 +47,9 @@ class AdaptiveSteps:
         self.stepper, self.control = stepper, StepControl(settings.longest_ticks)
         self.tolerance = error_tolerance(settings, stepper.assembly)
         self.drift = np.zeros(system.loads.support_velocity.shape[1:])  # (S, 3 or 6) of the supports so far, see base_drift
-        self.begin_anew()
+        self.restart()
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Go on with other blocks or loads: nothing is known of the last step."""
         system = self.stepper.system
         pull = system.loads.acceleration
@@ -134,7 +134,7 @@ class AdaptiveSteps:
         stored.real("drift", *self.drift.shape)
         stored.real("last_blocks", *self._last.blocks.shape)
         stored.real("last_base", 3)
-        stored.nothing_else()
+        stored.check_all_read()
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""

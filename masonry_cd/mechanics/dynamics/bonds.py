@@ -98,5 +98,5 @@ def check_bonds(stored: Stored, contacts: int) -> int:
             stored.refuse(name, "not between 0 and 1")
     stored.real("stretch", len(twin))
     stored.real("growth", len(twin))
-    stored.nothing_else()
+    stored.check_all_read()
     return len(twin) if contacts else 0

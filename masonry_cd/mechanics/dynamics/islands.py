@@ -55,7 +55,7 @@ class _Groups(NamedTuple):
 
 
 class Islands:
-    """Solves friction problems island by island, small ones in groups; a group goes by the first of its blocks.
+    """Solves friction problems island by island, small ones in groups; a group is identified by the first of its blocks.
 
     Args:
         solver: of each island.
@@ -287,7 +287,7 @@ def _changed(before, now):
 
 @entry()
 def _groups(bodies, root):
-    """Group of each contact (C,), numbered as they come, and the first block of each group (G,)."""
+    """Group of each contact (C,), numbered in their order, and the first block of each group (G,)."""
     number, group, first = np.full(root.shape[0], -1), np.empty(bodies.shape[0], dtype=np.int64), np.empty(root.shape[0], dtype=np.int64)
     count = 0
     for c in range(bodies.shape[0]):

@@ -88,7 +88,7 @@ class JointMemory(NamedTuple):
 
 
 class LawSprings(NamedTuple):
-    """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
+    """The contacts of a friction problem whose law is per area; C contacts with m rows each."""
 
     area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
     stiffness: np.ndarray  # (C, 2) k_n and k_t [N/m3]; 0: rigid
@@ -134,7 +134,7 @@ def load_springs(
     bonding: float,
     springs: LawSprings,
 ) -> None:
-    """Fill ``springs`` for the contacts whose law goes by area, see the head of this file.
+    """Fill ``springs`` for the contacts whose law is per area, see the head of this file.
 
     ``found``, ``rows``: ContactSet and ContactRows of the step; rotations (B, 3, 3) at q_m; ``before``: Velocities at the beginning of
     the step; velocities of the supports (S, 3) at its end; ``memory``: JointMemory of the last set; ``bonding``: gaps up to which new

@@ -167,7 +167,7 @@ def check_sums(stored: Stored, blocks: int, joints: int, elements: int = 0) -> N
         stored.real(name, *shape)
     if elements:
         stored.real("elements", elements, 6)
-    stored.nothing_else()
+    stored.check_all_read()
 
 
 def symmetric(tensors: np.ndarray) -> np.ndarray:

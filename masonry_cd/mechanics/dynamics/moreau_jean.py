@@ -230,7 +230,7 @@ class Stepper:
         return solve_softening(system, attempt) if system.softens else attempt(None)
 
     def _assembled(self, predicted: Prediction, found: ContactSet, pairs: np.ndarray, damage: np.ndarray | None = None) -> StepProblem:
-        """The problem of the contacts found between pairs of parts (P, 2); ``damage``: least of each contact (N,), None: as it comes."""
+        """The problem of the contacts found between pairs of parts (P, 2); ``damage``: least of each contact (N,), None: as computed."""
         last, bonds = self.motion, None
         if self.system.softens:
             last, found, bonds = split(self.system, last, found, bonding_gap(self.system, last), damage)

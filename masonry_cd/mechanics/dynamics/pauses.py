@@ -66,7 +66,7 @@ class Pauses:
         self._assembly = assembly
 
     @property
-    def any_shocks(self) -> bool:
+    def has_shocks(self) -> bool:
         """Return True if there are shocks to report on; a run that only goes on until its blocks are still has none."""
         return bool(self._shocks)
 

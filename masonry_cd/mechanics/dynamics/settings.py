@@ -42,13 +42,13 @@ class Run(Table):
     dt: Annotated[Number, Unit("s"), Field(gt=0, le=0.1), WithJsonSchema(_STEP)]
     """Time step, or "auto": it adapts between dt_min and dt_max, and this is the shortest, by which the loads are sampled."""
     dt_min: Annotated[Number, Unit("s"), Field(gt=0, le=0.1)] | None = None
-    """No step is shorter; with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
+    """Lower bound of the time step, with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
     dt_max: Annotated[Number, Unit("s"), Field(gt=0, le=0.1)] | None = None
     """The longest step; with dt = "auto" only, 0.01 when not given."""
     dt_tolerance: Annotated[Number, Unit("m"), Field(gt=0)] | None = None
     """Local error of a step that is aimed at, root mean square over the blocks; with dt = "auto" only."""
     duration: Annotated[Number, Unit("s"), Field(gt=0)] = UNTIL_LOADS_END
-    """How long to compute; up to the end of the loads and a rest of 1 s, none after a push by displacement, when not given."""
+    """Duration of the run; up to the end of the loads and a rest of 1 s, none after a push by displacement, when not given."""
     until_still: Flag | None = None
     """Go on after the duration, with the base at rest, until all standing blocks are still; true by default where damage is graded."""
     longest: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
@@ -74,9 +74,9 @@ class Run(Table):
     planar: Flag = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
     islands: Flag = True
-    """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
+    """Solve groups of blocks that touch each other only through supports separately, and skip those at rest; the answer is the same."""
     settle: Flag = True
-    """Let elastic joints take up the weight and the tension of ties before the run; else both come upon them at once, and they swing."""
+    """Let elastic joints take up the weight and the tension of ties before the run; otherwise both act suddenly, and it swings."""
     first_velocities: FirstVelocities | None = None
     """Velocities that the blocks begin with, drawn at random, {size, seed}; at rest when not given."""
     gravity: Annotated[Vector, Unit("m/s2"), EARTH] = (0.0, 0.0, -9.81)
@@ -103,7 +103,7 @@ class Run(Table):
 
     @model_validator(mode="after")
     def _fits(self) -> Run:
-        if self.timed:
+        if self.has_duration:
             self.check_times()
         return self
 
@@ -126,7 +126,7 @@ class Run(Table):
                 raise ValueError(f"{key} {time:g} s takes {time / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}")
 
     @property
-    def timed(self) -> bool:
+    def has_duration(self) -> bool:
         """Return True if the duration is known: a scene may leave it to its loads."""
         return self.duration != UNTIL_LOADS_END
 
@@ -149,7 +149,7 @@ class Run(Table):
         return ACCEPT * self.tolerance if self.accept is None else self.accept
 
     @property
-    def adaptive(self) -> bool:
+    def is_adaptive(self) -> bool:
         """Return True if the time step adapts."""
         return self.dt_max is not None
 
@@ -185,6 +185,6 @@ class Run(Table):
         frames = self.frames_per_second * self.longest_step  # of a step; so few that they have no reciprocal where none falls into any run
         if not frames * MOST_STEPS > 1.0:
             return int(MOST_STEPS)
-        if frames <= 1.0 or not self.adaptive:
+        if frames <= 1.0 or not self.is_adaptive:
             return max(1, round(1.0 / frames)) * self.longest_ticks
         return max(1, self.longest_ticks >> round(math.log2(frames)))

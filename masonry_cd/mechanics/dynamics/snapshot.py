@@ -75,7 +75,7 @@ def check_motion(stored: Stored, system: System, motion: MotionState, contacts: 
     joints.flags("bonded", remembered)
     joints.real("area", remembered)
     joints.real("place", remembered, 3)
-    joints.nothing_else()
+    joints.check_all_read()
 
 
 def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.ndarray) -> tuple[MotionState, int]:

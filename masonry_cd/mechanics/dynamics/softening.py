@@ -59,7 +59,7 @@ def split(
 ) -> tuple[MotionState, ContactSet, Bonds]:
     """The contacts found with those twice that are in part dry, the last motion by these contacts, and their bonds.
 
-    ``bonding``: gaps up to which new contacts are bonded [m]; ``least``: damage to hold of each contact found, or more; None: as it comes.
+    ``bonding``: gaps up to which new contacts are bonded [m]; ``least``: damage to hold of each contact found, or more; None: as computed.
     """
     first = np.flatnonzero(~last.bonds.twin)
     old = np.where(found.previous >= 0, first[np.minimum(found.previous, len(first) - 1)], -1)

@@ -2,7 +2,7 @@
 """Stages: a run goes on with other blocks, joints or loads, from the motion in which it stands.
 
 Blocks that are taken away stay in the arrays, at rest where they are, and meet nothing; so do blocks that are put in later, where they were
-built. A support that is released becomes a free block with the velocity that it had. What remembers blocks and contacts goes by their
+built. A support that is released becomes a free block with the velocity that it had. State of blocks and contacts is kept by their
 numbers, which stay; the solver learns again where other blocks are free or hang together. Links of a block that is not there hold nothing.
 
 What this puts in or takes out is booked as a work of its own: at once the kinetic energy of blocks that come and go, and in the step that

@@ -8,10 +8,10 @@ itself, and any other instant by halving towards it. All times are whole ticks, 
 **The rules**, for the local error e of a step over its tolerance (``local_error.py``; Hairer, Norsett & Wanner, Solving Ordinary
 Differential Equations I, 1993, sec. II.4):
 
-    e > REPEAT      the step is made again, shorter by sqrt(e): between the order of an impact (e ~ h) and of a smooth motion (e ~ h^3)
+    e > REPEAT      the step is repeated, shorter by sqrt(e): between the order of an impact (e ~ h) and of a smooth motion (e ~ h^3)
     e > 1           it stands, and the next one is half as long
     e < CALM        counts as quiet, unless an impact was solved; QUIET of these in a row, and the next one is twice as long
-    solver missed   made again with half the length, unless the step before missed too: then length is not what is wrong
+    solver missed   repeated with half the length, unless the step before missed too: then length is not what is wrong
 
 At an impact a time-stepping scheme is of first order whatever its length, and so is worth a short step only around it (Studer, Leine &
 Glocker, Int. J. Numer. Methods Eng. 76, 2008): the repetition finds the impact, the wait for quiet steps passes it.
@@ -25,7 +25,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-REPEAT = 4.0  # error over tolerance above which a step is made again
+REPEAT = 4.0  # error over tolerance above which a step is repeated
 CALM = 0.125  # below which a step twice as long would still be within: 2^3 for a smooth motion
 QUIET = 3  # such steps in a row before a longer one
 
@@ -52,7 +52,7 @@ class StepControl:
         Args:
             ticks: since the start of the run.
             room: one at least.
-            allows: whether loads and motion let a step have a length; asked for lengths above one.
+            allows: whether loads and motion let a step have a length; called for lengths above one.
         """
         longer = 2 * self.span
         if self.quiet >= QUIET and longer <= min(self.longest, room) and ticks % longer == 0 and allows(longer):
@@ -66,7 +66,7 @@ class StepControl:
         return span
 
     def judge(self, span: int, error: float, missed: bool, event: bool) -> int:
-        """Take in a step, and return the length with which it has to be made again, 0 if it stands.
+        """Judge a step, and return the length with which it has to be repeated, 0 if it is accepted.
 
         Args:
             span: its length.

@@ -53,7 +53,7 @@ class RunLoads:
     forces: BlockForces | None  # on single blocks
 
     def of_step(self, k: int, ticks: int = 1) -> StepLoads:
-        """The loads of a step of some ticks from t_k on; what the body forces put in is that of so many short steps."""
+        """The loads of a step of some ticks from t_k on; the work of the body forces is that of as many short steps."""
         pull = self.acceleration[k + 1] if ticks == 1 else self.acceleration[k + 1 : k + ticks + 1].mean(axis=0)
         return StepLoads(k + 1, ticks, self.support_velocity[k], self.support_velocity[k + ticks], pull)
 

@@ -60,7 +60,7 @@ class Warps:
 
     @classmethod
     def of(cls, assembly: Assembly, plane: Plane | None, others: int) -> Warps | None:
-        """Those of an assembly, whose blocks have so many other unknowns; None: no block is meshed.
+        """Those of an assembly, whose blocks have other unknowns, as many as given; None: no block is meshed.
 
         Raises:
             InputError: a block cannot be meshed.

@@ -97,7 +97,7 @@ def add_coupled_blocks(problem, blocks, share, factor):
 def add_symmetric_blocks(coupling, places, scale, share, factor):
     """Add the symmetric part of W to the matrix of a factor, W = ``scale`` (C,) times the coupling, in the columns (first, end) of a share.
 
-    Of the contacts there are the places (C, 1 or more); scale and the indices of the coupling go by these.
+    Of the contacts there are the places (C, 1 or more); scale and the indices of the coupling refer to these.
     """
     (data, indices, indptr), symbolic, diagonal, lower = coupling, factor.symbolic, factor.diagonal, factor.lower
     for c in range(len(places)):

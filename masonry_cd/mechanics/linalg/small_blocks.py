@@ -41,7 +41,7 @@ def is_wide(size):
 def copy_flat(source, target):
     """The first entries of target = source, both contiguous, of one shape but for the first length.
 
-    Assigned to a slice, arrays are asked for overlaps and lengths first, which takes longer to compile than many a kernel.
+    Assigned to a slice, arrays are checked for overlaps and lengths first, which takes longer to compile than many a kernel.
     """
     a, b = source.reshape(source.size), target.reshape(target.size)
     for i in range(len(a)):

@@ -10,7 +10,7 @@ from masonry_cd.foundation.jit import kernel
 
 @kernel()
 def sorted_by(key, count):
-    """Items in the order of their keys (I,) from 0 to ``count`` - 1, equal ones as they come, and where each key begins (count + 1,)."""
+    """Items in the order of their keys (I,) from 0 to ``count`` - 1, equal ones in order, and where each key begins (count + 1,)."""
     start = np.zeros(count + 1, dtype=np.int64)
     for k in key:
         start[k + 1] += 1

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 r"""Meshes of blocks: uniform-strain tetrahedra in space, triangles of the block's outline where a scene moves in a plane.
 
-gmsh meshes the faces of a block and what they enclose, no coarser than asked for. Blocks of one shape share one mesh, whatever their place;
+gmsh meshes the faces of a block and what they enclose, no coarser than requested. Blocks of one shape share one mesh, whatever their place;
 the mesh of a shape is the same in every run. In a plane the block is a prism across it, so that its mesh is that of an end face, in the
 middle plane, and an element is as thick as the block.
 """

@@ -71,7 +71,7 @@ def of_group(values: Any, group: str, groups: Sequence[str], key: str, otherwise
     for name in values:
         if name != "default" and not members(name, groups):
             raise InputError(
-                f"material.{key}.{name}", f'"{name}" is no group of blocks{suggest(name, groups)}; groups: {", ".join(groups)}'
+                f"material.{key}.{name}", f'"{name}" is not a group of blocks{suggest(name, groups)}; groups: {", ".join(groups)}'
             )
     names = [group, *(name for name in values if members(name, [group])), "default"]
     return next((values[name] for name in names if name in values), otherwise)
@@ -116,4 +116,4 @@ def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[list[int], 
         if letter == "-" and (first := members(pair[:i], groups)) and (second := members(pair[i + 1 :], groups)):
             return first, second
     unknown = next((word for word in pair.split("-") if not members(word, groups)), pair)
-    raise InputError(f"{key}.{pair}", f'"{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')
+    raise InputError(f"{key}.{pair}", f'"{unknown}" is not a group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')

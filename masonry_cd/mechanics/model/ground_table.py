@@ -77,7 +77,7 @@ class GroundTable(Table):
     supports: Names = None
     """Fixed blocks or groups that become footings, * stands for any letters; all on which something stands when not given."""
     shear_wave_velocity: Annotated[Above, Unit("m/s"), Usual(50.0, 3000.0, "soils have 100 to 800 m/s, rock up to 3000")] | None = None
-    """Velocity of shear waves in the soil, for small strain or reduced by what the shaking asks of it."""
+    """Velocity of shear waves in the soil, for small strain or reduced for the strain of the shaking."""
     shear_modulus: Annotated[Above, Unit("Pa")] | None = None
     """Shear modulus of the soil, instead of its shear wave velocity."""
     density: Annotated[Above, Unit("kg/m3")] | None = None

@@ -90,9 +90,9 @@ def _bond_factors(
     """f as the block of each side asks for it, (S,); k_n and, for f = 1, k_t (J,) [N/m3] of the joints, G (B,) [Pa] of the blocks."""
     own, other = _pairs_by_block(sides.block)
     i, block = sides.joint[other], sides.block[own]
-    n, beside = joints.normal[sides.joint[own]], joints.normal[i]
+    n, neighbour = joints.normal[sides.joint[own]], joints.normal[i]
     axes = _across(n)
-    square = np.einsum("pi,pi->p", n, beside) ** 2  # c^2
+    square = np.einsum("pi,pi->p", n, neighbour) ** 2  # c^2
     reach = np.einsum("pki,pi->kp", axes, _between(assembly, joints, shear)[i])  # t . d_i
     of_both = np.isfinite(shear[joints.block_a] + shear[joints.block_b])[i]
     weight = np.where(of_both, 0.5, 1.0) * joints.area[i] / (assembly.volume[block] * shear[block])
@@ -105,7 +105,7 @@ def _bond_factors(
     q_1 = [sums(weight * plain[i] * (1.0 - square) * reach[j] * reach[k]) for j, k in ((0, 0), (0, 1), (1, 1))]
     c, s = _held_best(*(a + b for a, b in zip(q_0, q_1, strict=True)))
     along = c[own, None] * axes[:, 0] + s[own, None] * axes[:, 1]
-    faces = sums(covered * np.einsum("pi,pi->p", along, beside) ** 2)  # 1: both faces across t have joints, 1/2: one
+    faces = sums(covered * np.einsum("pi,pi->p", along, neighbour) ** 2)  # 1: both faces across t have joints, 1/2: one
     beds = sums(covered * square)
     at_best = [c * c * q[0] + 2.0 * c * s * q[1] + s * s * q[2] for q in (q_0, q_1)]
     in_wall = _factor(at_best[0] / beds, at_best[1] / np.maximum(faces, ALONE))

@@ -70,7 +70,7 @@ BETTER = {
 """Features that make masonry better than its kind, and their names in the code."""
 AS_FOUND = ("good mortar", "brick courses", "transverse connections")  # of them the two with the largest factors count
 STIFFENING = {"good mortar": 1.0, "grout injection": 1.0, "reinforced plaster": 1.0, "reinforced repointing": 0.5}  # share on moduli
-BESIDE_PLASTER = ("transverse connections", "reinforced repointing")  # which do not count with reinforced plaster
+NOT_WITH_PLASTER = ("transverse connections", "reinforced repointing")  # which do not count with reinforced plaster
 NO_BEDS = "brick courses"  # do nothing for f_v0
 
 KINDS = {
@@ -119,7 +119,7 @@ class Masonry(Table):
     kind: Annotated[str, Field(json_schema_extra={"enum": list(KINDS)})]
     """Kind of masonry of table C8.5.I of Circolare 7/2019."""
     stiffness: Literal["mean", "least", "largest", "rigid"] = "mean"
-    """Which value of the range of E and G the joints follow, or "rigid": rigid joints all the same."""
+    """Value of the range of E and G for the joints, or "rigid" for rigid joints."""
     knowledge: Literal["LC1", "LC2", "LC3"] = "LC2"
     """Level of knowledge of the code: at LC1 strengths are the least of their range, else the mean. Strengths are not divided by its
     confidence factor."""
@@ -157,7 +157,7 @@ class Masonry(Table):
                 raise ValueError(f'better: "{name}" is none of {", ".join(BETTER)}')
             if KINDS[self.kind].factors[list(BETTER).index(name)] is None:
                 raise ValueError(f'better: "{name}" of {self.kind}: {NO_FACTOR}')
-            if name in BESIDE_PLASTER and "reinforced plaster" in self.better:
+            if name in NOT_WITH_PLASTER and "reinforced plaster" in self.better:
                 raise ValueError(f'better: "{name}" does not count with "reinforced plaster"')
         if self.shear_bond and self.bed_strength is None and KINDS[self.kind].sliding is None:
             raise ValueError(f"shear_bond: {self.kind} has no regular beds, so the table gives no f_v0; bed_strength does")
@@ -186,7 +186,7 @@ class Masonry(Table):
 
     @property
     def cohesion(self) -> float:
-        """Cohesion of joints [Pa]; 0 where it is not asked for."""
+        """Cohesion of joints [Pa]; 0 where it is not wanted."""
         beds = self.ranges().get("bed_strength")
         return 0.0 if not self.shear_bond else self.bed_strength or (self._known(beds) if beds else 0.0)
 

@@ -66,7 +66,7 @@ class Stones(Table):
     pieces: Annotated[Count, Field(ge=2, le=MOST_PIECES)] | None = None
     """Number of pieces of "voronoi"; 4 when not given."""
     seed: Annotated[Count, Field(ge=0)] = 0
-    """Of the points of "voronoi"."""
+    """Seed of the points of "voronoi"."""
 
     @field_validator("kind")
     @classmethod
@@ -132,7 +132,7 @@ def stones_of(stones: Mapping[str, Stones], group: str, groups: Sequence[str]) -
     """What the stones of one of some groups crack by; None: they do not.
 
     Raises:
-        InputError: a name that is no group.
+        InputError: a name that is not a group.
     """
     found: Stones | None = of_group(stones, group, groups, "stones") if stones else None
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from masonry_cd.foundation.units import Usual
 
-LENGTHS = ("mm", "cm")  # units that are easily meant where metres are asked for; below, in place of Pa, N and m/s2
+LENGTHS = ("mm", "cm")  # units that are easily meant where metres are required; below, in place of Pa, N and m/s2
 MODULI, STRENGTHS = ("MPa", "GPa"), ("MPa", "kPa")
 FORCES = ("kN", "MN")
 ACCELERATIONS = ("g", "cm/s2")

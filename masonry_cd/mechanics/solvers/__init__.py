@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solvers of the friction problem, exchangeable by name: ``SOLVERS[name](problem, options, start) -> Solution``.
 
-A solver is a module here that defines ``solve``, and goes by the module's name. It is imported when it is asked for, so that a scene
+A solver is a module here that defines ``solve``, and has the module's name. It is imported on first use, so that a scene
 can be checked before numba is loaded.
 """
 

@@ -8,7 +8,7 @@ gradient steps gain (Nesterov, Soviet Math. Dokl. 27, 1983):
 
 with w = 1 at the start and again where the error has grown since it was last measured (the restart of O'Donoghue & Candes, Found. Comput.
 Math. 15, 2015). y = G^T p is extrapolated with p, which costs less than a tenth of the sweep. A sweep solves the law of a contact exactly,
-De Saxce's shift mu |u_t| n with it, which is no gradient: projected gradients overshoot where contacts slip (docs/negative_results.md).
+De Saxce's shift mu |u_t| n with it, which is not a gradient: projected gradients overshoot where contacts slip (docs/negative_results.md).
 
 Spheres that pour take a fifth of the plain sweeps, spheres at rest a quarter. What slips all over, at a friction of 0.5 and more, may stop
 between 1e-4 and 1e-3, as it does with every other method here.

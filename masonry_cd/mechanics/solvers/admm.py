@@ -58,14 +58,14 @@ from masonry_cd.mechanics.solvers.recall import recall
 LIMIT = 2000  # iterations
 OPEN, SLIDES = 0.1, 0.3  # shares of R of contacts that do not stick, where much slides
 PROBE = 40  # steps between two trials of a neighbouring k
-BESIDE = 3.0  # factor between neighbouring k
+NEIGHBOUR = 3.0  # factor between neighbouring k
 BETTER = 0.8  # share of the mean iterations below which a trial wins
 
 
 def next_k(learnt: Learnt) -> float:
     """The k of the next step: the best so far, and now and then one next to it."""
     if learnt.steps % PROBE == PROBE - 1:
-        return learnt.k * (BESIDE if learnt.steps // PROBE % 2 else 1.0 / BESIDE)
+        return learnt.k * (NEIGHBOUR if learnt.steps // PROBE % 2 else 1.0 / NEIGHBOUR)
     return learnt.k
 
 

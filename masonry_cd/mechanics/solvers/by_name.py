@@ -2,7 +2,7 @@
 """Solvers by name, ours or of an installed package, and solvers that Python gives.
 
 What a solver from elsewhere returns is judged outside it: its impulses have to be C finite vectors of m numbers, and their error is
-measured by :func:`masonry_cd.mechanics.friction.problem.natural_map_error`, whatever it says of itself. It gets copies of what it starts
+measured by :func:`masonry_cd.mechanics.friction.problem.natural_map_error`, whatever error it reports. It gets copies of what it starts
 from, so that it may write into them, and no problem without contacts.
 """
 

@@ -293,7 +293,7 @@ def allows_step(w, p, gamma, dw, dp, dgamma, mu, step, m):
 def longest_step(shares, here, direction, cones):
     """Largest step along a direction that keeps every contact inside its cones, at most LONGEST.
 
-    Cones are convex: a contact that allows the longest so far need not be asked for its own, which costs roots and divisions.
+    Cones are convex: a contact that allows the longest so far need not compute its own, which costs roots and divisions.
     """
     (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, direction, len(cones.m), cones.mu
     turn, (first, end) = begin_sums(shares), shares.chunks

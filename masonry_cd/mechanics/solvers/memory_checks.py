@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks of the solvers' memory from step to step when it comes from a checkpoint.
 
-The symbolic factor tells compiled kernels where to write. It follows from the pairs of bodies that touch, so it is made again from these,
+The symbolic factor tells compiled kernels where to write. It follows from the pairs of bodies that touch, so it is rebuilt from these,
 and has to be the same to the last entry.
 """
 
@@ -50,7 +50,7 @@ def _check_learnt(stored: Stored, name: str) -> None:
 
 
 def _check_factors(stored: Stored, bodies: int, unknowns: int) -> None:
-    """The pattern and the factors of ADMM; their values are made again where they are not of the contacts of the step."""
+    """The pattern and the factors of ADMM; their values are recomputed where they do not belong to the contacts of the step."""
     nodes = len(stored.whole("order", None, high=bodies))
     pairs = stored.whole("pairs", None, high=nodes * nodes)
     if (np.diff(pairs) <= 0).any() or (pairs // max(nodes, 1) >= pairs % max(nodes, 1)).any():

@@ -46,12 +46,12 @@ def cores() -> int:
 
 
 def threads_that_pay(asked: int | None, contacts: int, dimension: int) -> int:
-    """Threads for a given number of contacts of dimension 2 or 3: as many as asked for, and no more than there are cores.
+    """Threads for a given number of contacts of dimension 2 or 3: as many as requested, and no more than there are cores.
 
     By default it is one for each THREAD_WORTH of the contacts, within OMP_NUM_THREADS, by which clusters share out their cores.
     """
     if asked is not None:
-        return min(asked, cores()) if asked > 1 else asked  # the system is asked for cores only where it matters, twice a step
+        return min(asked, cores()) if asked > 1 else asked  # the number of cores is read only where it matters, twice a step
     wanted = contacts // THREAD_WORTH[dimension]
     if wanted <= 1:
         return 1

@@ -12,7 +12,7 @@ from masonry_cd.mechanics.solvers.by_name import every_solver, is_solver, solver
 
 
 def _is_known(name: str) -> str:
-    """Refuse a name that is no solver's, or that of a package which cannot be used."""
+    """Refuse a name that is not a solver's, or that of a package which cannot be used."""
     if name in SOLVERS:
         return name
     if not is_solver(name):

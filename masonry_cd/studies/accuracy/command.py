@@ -115,7 +115,7 @@ def _problem(source: Path, asked: AccuracyRequest, say: Say) -> Measurement:
 
 def _scene(source: Path, scene: Scene, asked: AccuracyRequest, say: Say) -> Measurement:
     """Measure single runs of a scene."""
-    if scene.run.adaptive:
+    if scene.run.is_adaptive:
         raise InputError(source, 'run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
     solvers, tolerances = asked.names or (scene.run.solver,), asked.reach or scene_runs.TOLERANCES
     dts = asked.steps or tuple(factor * scene.run.dt for factor in scene_runs.DT_FACTORS)
@@ -126,7 +126,7 @@ def _scene(source: Path, scene: Scene, asked: AccuracyRequest, say: Say) -> Meas
 def _ensemble(source: Path, scene: Scene, folder: Path, asked: AccuracyRequest, say: Say) -> Result[Measurement | None]:
     """Measure ensembles of a scene."""
     solvers, tolerances, dts = asked.names or (scene.run.solver,), asked.reach or ensemble.TOLERANCES, asked.steps
-    if dts is None and scene.run.adaptive:
+    if dts is None and scene.run.is_adaptive:
         raise InputError(source, 'run.dt is "auto"; name the time steps to compare by --dts')
     settings = ensemble.settings_of(solvers, dts or (scene.run.dt,), tolerances)
     assert asked.ensemble is not None
@@ -144,7 +144,7 @@ def _numbers(text: str | None, option: str, below: float) -> tuple[float, ...] |
     """Positive numbers as typed, from large to small, each once.
 
     Raises:
-        InputError: something that is no number, or out of range.
+        InputError: something that is not a number, or out of range.
     """
     if text is None:
         return None
@@ -153,7 +153,7 @@ def _numbers(text: str | None, option: str, below: float) -> tuple[float, ...] |
         try:
             value = float(word)
         except ValueError:
-            raise InputError(option, f'"{word.strip()}" is no number; write 1e-4,1e-6') from None
+            raise InputError(option, f'"{word.strip()}" is not a number; write 1e-4,1e-6') from None
         if not 0.0 < value < below:
             raise InputError(option, f"{value:g} should be between 0 and {below:g}")
         found.add(value)

@@ -86,7 +86,7 @@ class EnsembleSpread(NamedTuple):
     matters: float  # biases below do not
 
     @property
-    def biased(self) -> bool:
+    def is_biased(self) -> bool:
         """Return True if a bias shows that matters."""
         return self.chance < SHOWN and abs(self.bias) > self.matters
 
@@ -106,9 +106,9 @@ class EnsembleRow:
     finest: bool
 
     @property
-    def biased(self) -> bool:
+    def is_biased(self) -> bool:
         """Return True if a bias shows in any measure."""
-        return any(spread.biased for spread in self.spreads.values())
+        return any(spread.is_biased for spread in self.spreads.values())
 
     @property
     def seconds(self) -> tuple[float, float, float]:
@@ -141,7 +141,7 @@ class EnsembleRow:
         low, middle, high = self.seconds
         out |= {"seconds": middle, "seconds_low": low, "seconds_high": high, "steps_missed": self.missed}
         out |= {"collapsed": sum(row.numbers["collapsed_blocks"] > 0 for row in self.members), "grades": self.grades}
-        return out | {"biased": self.biased, "finest": self.finest}
+        return out | {"biased": self.is_biased, "finest": self.finest}
 
     @property
     def read(self) -> dict[str, Any]:
@@ -192,7 +192,7 @@ def ensembles(plan: EnsemblePlan, folder: Path, options: StudyOptions, say: Say)
     """Make the runs that are missing, and write what they say.
 
     Raises:
-        InputError: the folder of another scene, or a run that is no data.
+        InputError: the folder of another scene, or a run that has no result.
     """
     made = make_runs(plan, folder, options, say, RunActions(lambda *_: None))
     if made.stopped:
@@ -255,7 +255,7 @@ def chance(sample: np.ndarray, other: np.ndarray) -> float:
 
 def good_enough(rows: Sequence[EnsembleRow]) -> EnsembleRow:
     """The cheapest setting that shows no bias; the finest one shows none by itself."""
-    return min((row for row in rows if not row.biased), key=lambda row: row.seconds[1])
+    return min((row for row in rows if not row.is_biased), key=lambda row: row.seconds[1])
 
 
 def measured(title: str, rows: Sequence[EnsembleRow]) -> Measurement:
@@ -274,7 +274,7 @@ def _panel(rows: Sequence[EnsembleRow], key: str) -> TimePanel:
     for row in sorted(rows, key=lambda row: -row.setting.tolerance):
         spread, (low, middle, high) = row.spreads[key], row.seconds
         bar = (factor * spread.low, factor * spread.high)
-        point = Point(middle, factor * spread.median, spread.biased, exponent(row.setting.tolerance), (low, high), bar)
+        point = Point(middle, factor * spread.median, spread.is_biased, exponent(row.setting.tolerance), (low, high), bar)
         lines.setdefault(f"{row.setting.solver}, dt {1e3 * row.setting.dt:g} ms", []).append(point)
     return TimePanel(LENGTHS[key].title, list(lines.items()), (factor * best.low, factor * best.median, factor * best.high))
 
@@ -307,7 +307,7 @@ def _spread(row: EnsembleRow, key: str) -> str:
 
 def _bias_line(row: EnsembleRow) -> str:
     """Where a setting is biased, and how that compares with its spread."""
-    shown = [(MEASURES[key], spread) for key, spread in row.spreads.items() if spread.biased]
+    shown = [(MEASURES[key], spread) for key, spread in row.spreads.items() if spread.is_biased]
     if not shown:
         return f"{row.setting}: no bias shows"
     found = [

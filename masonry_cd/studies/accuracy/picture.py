@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import markdown, write_rows
-from reports.drawing.figure import FAINT, INK, plain_axes, save
-from reports.drawing.plots import MARKERS, colour, halo, legend, logarithmic, sheet
+from reports.drawing.figure import FAINT, INK, format_axes, save
+from reports.drawing.plots import MARKERS, add_legend, colour, halo, logarithmic, sheet
 
 LEAST = 1e-17  # errors of nothing are drawn here
 STRIP = "#e3e6e9"
@@ -64,8 +64,8 @@ def draw(diagram: PanelSheet, path: Path) -> None:
     figure, axes = sheet(diagram.title, diagram.facts, len(diagram.panels))
     for one, panel in zip(axes, diagram.panels, strict=True):
         _draw(one, panel)
-        plain_axes(one, panel.words, diagram.across)
-    legend(axes[0], min(4, len(diagram.panels[0].lines)))
+        format_axes(one, panel.words, diagram.across)
+    add_legend(axes[0], min(4, len(diagram.panels[0].lines)))
     save(figure, path)
 
 
@@ -78,7 +78,7 @@ def _draw(axes: Any, panel: TimePanel) -> None:
     for level in panel.levels:
         axes.axhline(level, color=STRIP, linewidth=0.8, zorder=0)
     for k, (name, points) in enumerate(panel.lines):
-        _line(axes, k, name, points)
+        _draw_line(axes, k, name, points)
     axes.margins(x=0.12, y=0.12)
     axes.set_xscale("log")
     axes.set_yscale("log" if panel.strip is None else "linear")
@@ -87,7 +87,7 @@ def _draw(axes: Any, panel: TimePanel) -> None:
         logarithmic(axis)
 
 
-def _line(axes: Any, k: int, name: str, points: Sequence[Point]) -> None:
+def _draw_line(axes: Any, k: int, name: str, points: Sequence[Point]) -> None:
     """A line with its points, bars of quartiles and labels."""
     values = [max(point.value, LEAST) for point in points]
     axes.plot([point.seconds for point in points], values, color=colour(k), linewidth=1.4, zorder=2)

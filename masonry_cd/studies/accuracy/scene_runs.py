@@ -121,7 +121,7 @@ def run_rows(
     largest, smallest = max(dts), min(dts)
     for dt in dts:
         if abs(round(largest / dt) * dt - largest) > 1e-9 * largest:
-            raise InputError("--dts", f"{dt:g} s is no whole fraction of {largest:g} s; runs are compared at equal times")
+            raise InputError("--dts", f"{dt:g} s is not a whole fraction of {largest:g} s; runs are compared at equal times")
     scene = read_scene(path, [*overrides, f"run.dt={largest!r}"])
     frame = largest * min(scene.run.frame_every, scene.run.steps or scene.run.frame_every)
     common = [*overrides, *NOTHING_DRAWN, f"run.frames_per_second={1.0 / frame!r}"]

@@ -42,7 +42,7 @@ class SolverRow:
 
 
 def measured(problem: Problem, title: str, rows: Sequence[SolverRow], every: bool) -> Measurement:
-    """Return the measurement of the solvers; with ``every`` solver asked for, those that do not apply are named as well."""
+    """Return the measurement of the solvers; where ``every`` solver is requested, those that do not apply are named as well."""
     names = list(dict.fromkeys(row.solver for row in rows))
     by_name = {name: [row for row in rows if row.solver == name] for name in names}
     lines = [f"{title}: {problem.contacts} contacts, errors by the natural map, median times"]
@@ -91,7 +91,7 @@ def _solver_row(problem: Problem, name: str, tolerance: float, repeats: int) -> 
 
 
 def solvers_for(problem: Problem, asked: Sequence[str] | None) -> tuple[str, ...]:
-    """The solvers to measure: those asked for, or all that solve such a problem themselves."""
+    """The solvers to measure: those requested, or all that solve such a problem themselves."""
     if asked is not None:
         return tuple(asked)
     solves = {"interior": not isinstance(problem, LocalProblem), "pivoting": pivoting.applies(problem)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What gives way besides joints that open and slip, as assumptions: bonds that soften and stones that crack."""
+"""Assumptions on failure other than by joints that open and slip: bonds that soften and stones that crack."""
 
 from __future__ import annotations
 

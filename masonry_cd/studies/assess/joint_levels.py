@@ -28,18 +28,18 @@ def is_elastic(scene: Scene) -> bool:
     return material.joint_moduli is not None or any(law.normal_stiffness for law in material.joints.values())
 
 
-def _without(tables: Tables, keys: tuple[str, ...]) -> None:
+def _remove_keys(tables: Tables, keys: tuple[str, ...]) -> None:
     """Take keys out of all laws."""
     for law in laws_of(tables):
         for key in keys:
             law.pop(key, None)
 
 
-def _rigid(tables: Tables) -> None:
+def _make_rigid(tables: Tables) -> None:
     """Rigid joints, without what springs have."""
     material = tables["material"]
     named = material.get("masonry")
-    _without(tables, OF_SPRINGS if named is not None else (*OF_SPRINGS, "tension"))
+    _remove_keys(tables, OF_SPRINGS if named is not None else (*OF_SPRINGS, "tension"))
     if named is not None:
         material["masonry"] = {**({"kind": named} if isinstance(named, str) else named), "stiffness": RIGID}
 
@@ -49,7 +49,7 @@ def _elastic(level: str, young: float | None) -> Change:
 
     def change(tables: Tables) -> None:
         material = tables["material"]
-        _without(tables, OF_STIFFNESS)
+        _remove_keys(tables, OF_STIFFNESS)
         named = material.get("masonry")
         kind = {"kind": STAND_IN} if named is None else {"kind": named} if isinstance(named, str) else dict(named)
         kind.pop("E", None)
@@ -82,7 +82,7 @@ def stiffness(scene: Scene, asked: AssessTable) -> Assumption:
             for law in laws_of(tables, "stones"):
                 if "kind" not in law:  # which gives one
                     law.setdefault("young", moduli[0])
-        _rigid(tables)
+        _make_rigid(tables)
 
     levels = [Level(RIGID, rigid, 1.0 if base == RIGID else 1.0 / ELASTIC_COST)]
     for level in ("largest", "mean", "least"):

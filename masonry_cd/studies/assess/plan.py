@@ -67,7 +67,7 @@ class AssessMaker(Maker):
             InputError: the ensemble has nothing to perturb.
         """
         tables = copy.deepcopy(super().tables(DesignedRun()))
-        if not (asked.values or asked.member):  # the keys that the scene calls meant so are all there
+        if not (asked.values or asked.member):  # the keys that quiet_checks lists are all there
             quiet, keys = self.study.scene.quiet_checks, [key for key, _ in keys_of(tables)]
             tables["quiet_checks"] = [name for name in quiet if any(is_within(key, name) for key in keys)]
         for level in self._levels(asked):

@@ -30,7 +30,7 @@ POSTERIOR = "posterior.parquet"
 
 
 def calibrate(plan: Calibration, folder: Path, options: StudyOptions, say: Say) -> Result[Posterior | None]:
-    """Sample the posterior of a calibration round by round; the samples of a folder are not made again.
+    """Sample the posterior of a calibration round by round; the samples of a folder are not repeated.
 
     Raises:
         InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.

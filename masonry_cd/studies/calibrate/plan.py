@@ -204,12 +204,12 @@ def _check(one: Observation, where: str, gauges: dict[str, tuple[str, ...]], blo
     """Check that a gauge with its column, or blocks, are there."""
     if one.gauge is not None:
         if one.gauge not in gauges:
-            raise InputError(f"{where}.gauge", f'"{one.gauge}" is no gauge of [output]{suggest(one.gauge, gauges)}')
+            raise InputError(f"{where}.gauge", f'"{one.gauge}" is not a gauge of [output]{suggest(one.gauge, gauges)}')
         if (one.column or "opening") not in gauges[one.gauge]:
             raise InputError(f"{where}.column", f"the gauge {one.gauge} has {', '.join(gauges[one.gauge])}")
     for name in one.blocks or ():
         if name not in blocks:
-            raise InputError(f"{where}.blocks", f'"{name}" is no block{suggest(name, blocks)}')
+            raise InputError(f"{where}.blocks", f'"{name}" is not a block{suggest(name, blocks)}')
 
 
 def _unknown(space: Space) -> np.ndarray:

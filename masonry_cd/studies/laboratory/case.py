@@ -123,7 +123,7 @@ def run_in(folder: Path, blocks: Sequence[Block], tables: Mapping[str, Any]) -> 
     """Run a scene in a folder and open its results.
 
     Raises:
-        Interrupted: by a signal; half a run is no result of a case.
+        Interrupted: by a signal; half a run is not a result of a case.
     """
     summary = run_case(prepare(scene_in(folder, blocks, tables)), folder)
     if summary.signal:

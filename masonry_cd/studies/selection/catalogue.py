@@ -26,7 +26,7 @@ def read_catalogue(table: CandidatesTable, folder: Path) -> dict[str, Row]:
     """Read the facts on each motion; cells that are empty are left out.
 
     Raises:
-        InputError: no such file, a column that is asked for and missing, a motion twice, a number that is none; names file and line.
+        InputError: no such file, a requested column that is missing, a motion twice, a number that is none; names file and line.
     """
     if table.catalogue is None:
         return {}
@@ -62,5 +62,5 @@ def why_not(table: CandidatesTable, row: Row) -> str:
 def _value(column: str, cell: str, where: str) -> str | float:
     number = finite_number(cell)
     if number is None and column != EVENT:
-        raise InputError("candidates.catalogue", f'{where}: {column}: "{cell}" is no number')
+        raise InputError("candidates.catalogue", f'{where}: {column}: "{cell}" is not a number')
     return cell if column == EVENT or number is None else number

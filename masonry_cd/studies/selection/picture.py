@@ -10,8 +10,8 @@ from masonry_cd.analysis.accelerogram_rule import SHARE
 from masonry_cd.foundation import libm
 from masonry_cd.studies.selection.candidates import ChosenSet
 from masonry_cd.studies.selection.tables import Selection, TargetTable
-from reports.drawing.figure import INK, plain_axes, save
-from reports.drawing.plots import PALE, colour, legend, logarithmic, sheet
+from reports.drawing.figure import INK, format_axes, save
+from reports.drawing.plots import PALE, add_legend, colour, logarithmic, sheet
 
 BAND = "#f2f4f6"
 
@@ -26,9 +26,9 @@ def draw(selection: Selection, made: ChosenSet, path: Path) -> Path:
     )
     panels = 1 + (target.sigma is not None)
     figure, axes = sheet(selection.title, facts, panels, (9.6, 6.6) if panels == 1 else (13.6, 6.6))
-    _spectra(axes[0], target, made)
+    _draw_spectra(axes[0], target, made)
     if target.sigma is not None:
-        _scatter(axes[1], target, made)
+        _draw_scatter(axes[1], target, made)
     for one in axes:
         one.set(xscale="log", xlim=made.grid.periods[[1, -1]])
         one.set_xlabel("period [s]")
@@ -36,7 +36,7 @@ def draw(selection: Selection, made: ChosenSet, path: Path) -> Path:
     return save(figure, path, selection.title)
 
 
-def _spectra(axes: Any, target: TargetTable, made: ChosenSet) -> None:
+def _draw_spectra(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     """All spectra over the period."""
     t, goal, d = made.grid.periods, made.grid.target, made.differences
     axes.axvspan(*target.band, color=BAND, zorder=0, label="periods compared")
@@ -52,17 +52,17 @@ def _spectra(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     at = made.grid.judged[1:]
     axes.plot(t[at], SHARE * goal[at], color=INK, linewidth=1.2, linestyle=":", label=f"{100 * SHARE:g} % of the target")
     axes.set(yscale="log")
-    plain_axes(axes, "Sa [m/s²]")
+    format_axes(axes, "Sa [m/s²]")
     logarithmic(axes.yaxis)
-    legend(axes, 3)
+    add_legend(axes, 3)
 
 
-def _scatter(axes: Any, target: TargetTable, made: ChosenSet) -> None:
+def _draw_scatter(axes: Any, target: TargetTable, made: ChosenSet) -> None:
     """The standard deviation of ln Sa over the period."""
     compared = made.grid.periods[made.grid.compared]
     axes.axvspan(*target.band, color=BAND, zorder=0)
     axes.plot(made.grid.periods[1:], made.differences.std(axis=0, ddof=1)[1:], color=colour(0), linewidth=2.0, label="of the set")
     axes.plot(compared, target.deviations(compared), color=INK, linewidth=2.2, label="required")
     axes.set_ylim(bottom=0.0)
-    plain_axes(axes, "standard deviation of ln Sa")
-    legend(axes, 2)
+    format_axes(axes, "standard deviation of ln Sa")
+    add_legend(axes, 2)

@@ -71,7 +71,7 @@ class TargetTable(SiteSpectrum):
     period: Span | None = None
     """Period T1 of the structure: spectra are compared from 0.2 to 2 T1."""
     periods: Annotated[Range, Unit("s"), between("seconds", SHORTEST - 1e-9, LONGEST)] = None
-    """Range in which they are compared, [from, to], in its place; with both EN 1998-1 is judged from 0.2 to 2 T1 all the same."""
+    """Range in which they are compared, [from, to], in its place; with both EN 1998-1 is judged from 0.2 to 2 T1 in any case."""
     sigma: Deviations | None = None
     """Standard deviation of ln Sa that the set should have: a number, or pairs [period, number]; the mean alone counts when not given."""
     of: Rule = "x"

@@ -4,7 +4,7 @@
     study_file    the study file and its tables            varied     lists, ranges and distributions of what varies
     records       motions found in a folder, their measures designs    which runs there are
     plan          a run as asked becomes a scene           task       a run, as a worker makes it
-    engine        runs as futures, results as they come    clusters   where they run
+    engine        runs as futures, results as they arrive    clusters   where they run
     folder        what is kept of a study, to continue it  table      runs.csv and runs.parquet
     progress      how far it is                            study_case makes the runs of a plan, whichever
     command       masonry-cd study

@@ -35,7 +35,7 @@ class AdaptiveStripes:
         random.Random(space.tables.seed).shuffle(self.motions)
         self.levels = np.array([level for level in space.levels if level is not None])
         self.grid = Grid.over(self.levels)
-        self.known: dict[Pair, bool | None] = {}  # whether a run exceeded the limit state; None of one that is no data
+        self.known: dict[Pair, bool | None] = {}  # whether a run exceeded the limit state; None of one that has no result
         self.waiting: set[Pair] = set()
 
     def first(self) -> list[DesignedRun]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where runs are made: processes of this machine, a cluster that runs already, or jobs of Slurm. dask is imported here, when asked for.
+"""Where runs are made: processes of this machine, a cluster that runs already, or jobs of Slurm. dask is imported here, on first use.
 
 A worker is one process with one thread, and libraries in it use one thread each: a run gains more from a core of its own than from a share
 of several.
@@ -44,7 +44,7 @@ class SlurmTable(Table):
     """The file that ``--slurm`` names: what each job of Slurm asks for."""
 
     jobs: Count = Field(ge=1, le=100_000)
-    """How many jobs."""
+    """Number of jobs."""
     cores: Count = Field(ge=1, le=4096)
     """Cores of each job; each has a worker."""
     memory: str
@@ -54,7 +54,7 @@ class SlurmTable(Table):
     queue: str | None = None
     """Partition."""
     account: str | None = None
-    """To which the time is charged."""
+    """Account that the time is charged to."""
     interface: str | None = None
     """Network interface by which workers reach the scheduler, "ib0"."""
     local_directory: str | None = None

@@ -48,6 +48,6 @@ def report(plan: StudyPlan, folder: Path) -> Result[None]:
     if plan.maker.study.tables.asks == "limit":
         raise InputError("--report", "a study of limit analyses has limits.csv and no fits")
     here = StudyFolder(folder)
-    here.describe(read_facts(folder).model_copy(update={"hazard": hazard_numbers(plan.maker.study)}))  # which is no part of the runs
+    here.describe(read_facts(folder).model_copy(update={"hazard": hazard_numbers(plan.maker.study)}))  # which is not part of the runs
     found = write_study(folder)
     return Result(None, [found.verdict.line, *found.lines, f"page: {folder / PAGE}"], found.warnings)

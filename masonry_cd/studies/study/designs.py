@@ -16,7 +16,7 @@ An IDA goes motion by motion:
     fill      halves the widest gap between levels below the collapse, ``fill`` times
 
 Each level follows from the finished runs of its motion alone, so the runs are the same for any number of workers. A run that failed ends
-the hunt of its motion: it is no data. What is random is drawn for each motion.
+the hunt of its motion: it has no result. What is random is drawn for each motion.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def next_level(table: IdaTable, found: Mapping[float, bool | None]) -> float | N
 
     Args:
         table: how to go on.
-        found: whether the structure collapsed, by level; None for a run that is no data.
+        found: whether the structure collapsed, by level; None for a run that has no result.
     """
     if len(found) >= table.runs or None in found.values():
         return None

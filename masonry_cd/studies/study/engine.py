@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs as futures: few in flight at a time, results as they come, so that memory stays flat over any number of them.
+"""Runs as futures: few in flight at a time, results as they arrive, so that memory stays flat over any number of them.
 
 A worker that dies costs its run, which the scheduler gives to another. A run that takes several workers with it is a failed row; one that
 hangs takes one, see watchdog.py.
@@ -21,7 +21,7 @@ from masonry_cd.foundation.quantities import in_words
 from masonry_cd.studies.study.clusters import DEATHS
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task, run_task
-from masonry_cd.studies.study.watchdog import given_up, hung, watched
+from masonry_cd.studies.study.watchdog import given_up, has_hung, watched
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -30,12 +30,12 @@ AHEAD = 3  # runs that wait for each thread, so that none is idle
 LEAST = 8  # in flight, however few threads there are
 POLL = 0.2  # between two looks at signals [s]
 RECOUNT = 5.0  # between two counts of the threads [s]
-GATHER = 60.0  # for a result to arrive [s]; its worker may have died, and the run is made again
+GATHER = 60.0  # for a result to arrive [s]; its worker may have died, and the run is repeated
 GONE = "the scheduler does not answer any more"
 
 
 class ClusterLost(Exception):
-    """The scheduler does not answer any more, or there are no workers; what had not come back is to be made again. Says which as text."""
+    """The scheduler does not answer, or there are no workers; runs that had not returned are to be repeated. Its text says which."""
 
 
 @dataclass
@@ -96,7 +96,7 @@ class Engine:
         return self.ended(run, outcome)
 
     def _outcome(self, future: Future, run: Planned) -> Outcome | None:
-        """Return the outcome of a run; None where its result was lost on the way, and it is made again."""
+        """Return the outcome of a run; None where its result was lost on the way, and it is repeated."""
         from distributed import KilledWorker
 
         if future.status in ("cancelled", "lost"):
@@ -109,7 +109,7 @@ class Engine:
             return None
         except KilledWorker:
             task = self.task_of(run)
-            if hung(task):
+            if has_hung(task):
                 return given_up(task)
             reason = f"{DEATHS + 1} workers died with it: more memory than they may take, or a crash"
         except Exception as error:

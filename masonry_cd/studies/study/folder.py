@@ -77,7 +77,7 @@ class StudyFolder:
         own_files.check(self.path, self._names(), is_study)
         old = not (self.path / own_files.LIST).exists() and is_study(self.path)
         places = [self.path / name for name in KEPT]
-        others = [path for place in places for path in own_files.others_below(place, OF_OLD[place.name] if old else _in_progress)]
+        others = [path for place in places for path in own_files.others_below(place, OF_OLD[place.name] if old else _is_in_progress)]
         own_files.refuse(self.path, [str(path.relative_to(self.path)) for path in others])
 
     def hold(self, more: Iterable[str] = ()) -> None:
@@ -123,7 +123,7 @@ class StudyFolder:
         return {name: row for name, row in found.items() if row.status and (row.done or not retry)}
 
     def forget_hangs(self, runs: Iterable[Planned]) -> None:
-        """Take away what says that runs hung, before they are made again."""
+        """Remove the marks of runs that hung, before they are repeated."""
         again = {run.name for run in runs}
         for trace in (self.path / ROWS).glob(f"*{HANG}"):
             if trace.stem in again:
@@ -164,22 +164,22 @@ def is_study(folder: Path) -> bool:
         return False
 
 
-def _in_progress(path: Path) -> bool:
+def _is_in_progress(path: Path) -> bool:
     """Return True if a kill may have left it, by its path in a study's folder: a file half written, a run half copied, a hang's trace."""
     return own_files.HALF in path.name or path.parts[0].endswith(".part") or path.suffix == HANG
 
 
-def _of_old_run(path: Path) -> bool:
+def _is_of_old_run(path: Path) -> bool:
     """Return True if a run of an earlier version has left it in ``runs/NAME``."""
     return len(path.parts) == 2 and any(fnmatchcase(path.name, name) for name in (*names_of_run(), SCENE))
 
 
 # How files of earlier versions, which wrote no lists, are known: by folder, from the path below it
 OF_OLD: dict[str, Callable[[Path], bool]] = {
-    ROWS: lambda path: path.suffix == ".json" or _in_progress(path),
-    JOINTS: lambda path: path.suffix == ".npz" or _in_progress(path),
-    REFERENCE: lambda path: path.name in ("result.h5", "run.txt") or _in_progress(path),
-    RUNS: lambda path: _of_old_run(path) or _in_progress(path),
+    ROWS: lambda path: path.suffix == ".json" or _is_in_progress(path),
+    JOINTS: lambda path: path.suffix == ".npz" or _is_in_progress(path),
+    REFERENCE: lambda path: path.name in ("result.h5", "run.txt") or _is_in_progress(path),
+    RUNS: lambda path: _is_of_old_run(path) or _is_in_progress(path),
 }
 
 
@@ -189,7 +189,7 @@ def digest_of(value: object) -> str:
 
 
 def _read_row(file: Path) -> RunRow:
-    """A row; an empty one where it is damaged: its run is made again."""
+    """A row; an empty one where it is damaged: its run is repeated."""
     try:
         return row_of(json.loads(file.read_text(encoding="utf-8")), ABOUT)
     except (OSError, ValueError, TypeError, AttributeError):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A run as asked becomes a scene, and gets its name: the digest of that scene and of the files that it reads.
 
-Drawing is no part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.
+Drawing is not part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.
 Other commands that make an ensemble of one scene make a study of it.
 """
 
@@ -169,7 +169,7 @@ class StudyPlan:
         """Where the runs are made: as asked, or else as the study says.
 
         Raises:
-            InputError: more than one place is asked for, no worker, or no jobs of Slurm can be submitted.
+            InputError: more than one place is requested, no worker, or no jobs of Slurm can be submitted.
         """
         if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
             raise InputError("workers, scheduler and slurm", "they exclude each other; give one of them")

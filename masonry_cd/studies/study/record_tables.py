@@ -27,9 +27,9 @@ class Trim(Table):
     arias: list[Annotated[Number, Field(ge=0, le=1)]]
     """[from, to], shares of the end value, as [0.001, 0.999]; of all components that shake, added up."""
     before: Instant = 0.0
-    """More before it."""
+    """Additional time before it."""
     after: Instant = 0.0
-    """More after it."""
+    """Additional time after it."""
 
     @field_validator("arias")
     @classmethod
@@ -61,13 +61,13 @@ class RecordsTable(Table):
     scale: Annotated[Number, Field(gt=0)] = 1.0
     """Factor on all motions that are not scaled to a level."""
     factors: Annotated[dict[str, Annotated[Number, Field(gt=0)]], Field(min_length=1)] | None = None
-    """Motions that are used, and no others, each with a factor of its own on top of scale; masonry-cd select writes them."""
+    """The only motions used, each with its own factor in addition to scale; masonry-cd select writes them."""
     dt: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
     """Time step, where the files have no times."""
     units: str | None = None
     """Units of the values, where the files do not say: "m/s2", "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
-    """Quantity of the values, where they are no accelerations, or where the files leave it open."""
+    """Quantity of the values, where they are not accelerations, or where the files leave it open."""
     layout: Literal["columns", "series", "pairs"] | None = None
     """Layout of tables of numbers that could be read in several ways."""
     format: FormatName = "auto"
@@ -77,15 +77,15 @@ class RecordsTable(Table):
     window: Annotated[list[Number], Unit("s")] | None = None
     """Part of all motions to use, [from, to]."""
     trim: Trim | None = None
-    """Or part of each motion by its Arias intensity."""
+    """Part of each motion by its Arias intensity, instead of a window."""
     rest: Instant = 0.0
     """How long each run goes on after its motion."""
     duration: Literal["record", "scene"] = "record"
     """Duration of runs: that of their motions, or run.duration of the scene."""
     taper: Instant = 0.0
-    """Over which the acceleration rises and falls at the ends of the window."""
+    """Length over which the acceleration rises and falls at the ends of the window."""
     resample: Annotated[Number | Literal["run"], Unit("s")] | None = None
-    """To this time step, or to that of the "run"."""
+    """Time step to resample to, or "run" for that of the run."""
     band: Annotated[list[Number], Unit("Hz")] | None = None
     """Corners of a band-pass, [from, to]."""
     band_order: Annotated[int, Field(strict=True, ge=1, le=8)] = 4
@@ -95,7 +95,7 @@ class RecordsTable(Table):
     key: str | None = None
     """Instead of a folder: key of the scene by whose values motions differ, "loads[0].seed"."""
     values: list[Any] | None = None
-    """Its values, one motion each."""
+    """Values of that key, one motion for each."""
 
     @field_validator("pattern")
     @classmethod

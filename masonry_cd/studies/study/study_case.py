@@ -78,7 +78,7 @@ class StudyOutcome:
         return f"{done} of {self.runs} runs done, {failed} failed, {timeout} timed out"
 
     def warnings(self, table: Path) -> list[str]:
-        """Why runs are no data, the commonest reasons; the others are counted, and stand in a ``table``."""
+        """Why runs have no result, the commonest reasons; the others are counted, and stand in a ``table``."""
         reasons = Counter(row.reason for row in self.rows.values() if not row.done).most_common()
         lost = sum(count for _, count in reasons)
         out = [f"{count} of {lost} runs without data: {reason}" for reason, count in reasons[:REASONS]]
@@ -133,7 +133,7 @@ def make_runs(plan: StudyPlan, folder: Path, options: StudyOptions, say: Say, wa
 
     Args:
         plan: from :func:`plan_of`, or of another command.
-        folder: for the results, made if need be; runs that have ended there are not made again.
+        folder: for the results, created if missing; runs that have ended there are not repeated.
         options: where and how.
         say: called with lines on what is done.
         ways: what a run is, and what is written of it.
@@ -254,7 +254,7 @@ class _Making:
         return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference, tables.asks)
 
     def _complete_reference(self) -> None:
-        """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
+        """Have the first run of the plan that is done as the reference; it is rebuilt where another run was the first."""
         first = next((run for run in self.plan.ordered() if self.rows[run.name].done), None)
         if first is None or self.folder.has_reference(first.name):
             return

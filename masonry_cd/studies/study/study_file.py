@@ -75,7 +75,7 @@ class IdaTable(Table):
     """The table ``[ida]``: hunt and fill (Vamvatsikos & Cornell, EESD 31(3), 2002)."""
 
     limit_state: str = "collapse"
-    """Which of them ends the hunt."""
+    """Limit state that ends the search."""
     start: Positive
     """First level, in the unit of the measure."""
     step: Positive
@@ -96,9 +96,9 @@ class AdaptiveTable(Table):
     limit_state: str = "collapse"
     """Limit state whose fragility is sought."""
     theta: Annotated[Number, Field(gt=0, lt=1)] = 0.1
-    """Standard deviation of ln theta, by the runs made, at which it ends ..."""
+    """Standard deviation of ln theta at which the study ends ..."""
     beta: Annotated[Number, Field(gt=0, lt=1)] = 0.2
-    """... where that of ln beta is at most this, too."""
+    """Standard deviation of ln beta that is required as well."""
     runs: Annotated[Count, Field(ge=1)] | None = None
     """Runs at most; every motion at every level when not given."""
     batch: Annotated[Count, Field(ge=1, le=12)] = 8
@@ -109,9 +109,9 @@ class EnsembleTable(Table):
     """The table ``[ensemble]``: the same scene under tiny perturbations."""
 
     members: Annotated[Count, Field(ge=2, le=1_000_000)] = 20
-    """How many; the first is the scene itself."""
+    """Number of members; the first is the scene itself."""
     perturb: Literal["loads", "friction", "velocities"] = "loads"
-    """The size of the loads, the friction, or the velocities that the blocks begin with."""
+    """Perturbed quantity: the size of the loads, the friction, or the initial velocities of the blocks."""
     size: Annotated[Number, Unit("m/s"), Field(ge=1e-12, le=1e-3)] = 1e-9
     """Largest relative change; of velocities, the largest in each direction."""
 
@@ -122,9 +122,9 @@ class RunTable(Table):
     workers: Annotated[Count, Field(ge=1, le=10_000)] | None = None
     """Processes of this machine, one thread each; as many as there are cores when not given."""
     timeout: Annotated[Number, Unit("s"), Field(gt=0, le=MOST_SECONDS)] = 3600.0
-    """The time of the clock that the steps of a run may take; then it ends after its step and counts as no data."""
+    """Elapsed time that the steps of a run may take; beyond it the run ends after its step and counts as failed."""
     grace: Annotated[Number, Unit("s"), Field(gt=0, le=MOST_SECONDS)] = 300.0
-    """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as no data."""
+    """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as failed."""
     keep: Literal["none", "summary", "all"] = "none"
     """Files kept of each run in addition to its row: none, its summary and joints.csv, or its whole folder."""
     memory: Annotated[Positive, Unit("GB")] | None = None
@@ -168,13 +168,13 @@ class StudyTables(Table):
     correlation: list[KeyCorrelation] = Field(default_factory=list)
     """Correlations of keys that vary."""
     limit_states: dict[str, LimitStateTable] = Field(default_factory=dict)
-    """Limit states that each run is asked for."""
+    """Limit states that are judged for each run."""
     loss_ratios: dict[str, Annotated[Number, Field(ge=0.0, le=1.0)]] = Field(default_factory=dict)
     """Cost of repair over that of reconstruction of limit states by name, for vulnerability.xml and the mean annual loss."""
     ida: IdaTable | None = None
     """Search of the design "ida"."""
     adaptive: AdaptiveTable | None = None
-    """Choice of the runs of the design "stripes" one batch after the other."""
+    """Choice of the runs of the design "stripes" in batches."""
     ensemble: EnsembleTable | None = None
     """Ensemble of the design "ensemble"."""
     observations: list[Observation] = Field(default_factory=list)

@@ -30,7 +30,7 @@ def study_in_si(tables: Mapping[str, Any], unit_of_key: Callable[[str], str]) ->
         unit_of_key: the unit of a key of its scene, which is asked only where a text is met.
 
     Raises:
-        InputError: names the key whose text is no number in its unit.
+        InputError: names the key whose text is not a number in its unit.
     """
     made = dict(tables)
     unit = _unit_of_levels(tables, unit_of_key)

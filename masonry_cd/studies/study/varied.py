@@ -248,7 +248,7 @@ def read_varied(
     for i, group in enumerate(correlations):
         for key in group.keys:
             if not isinstance(random.get(key), Distribution):
-                raise InputError(f"correlation[{i}].keys", f'"{key}" is no distribution of [vary]{suggest(key, random)}')
+                raise InputError(f"correlation[{i}].keys", f'"{key}" is not a distribution of [vary]{suggest(key, random)}')
     named = [key for group in correlations for key in group.keys]
     if len(set(named)) < len(named):
         raise InputError("correlation", "a key is named twice")
@@ -259,7 +259,7 @@ def _samples(name: object, folder: Path) -> dict[str, Random]:
     """The keys of a table of samples, Parquet or CSV, with their values and weights.
 
     Raises:
-        InputError: no such table, or one without weights or with what is no number.
+        InputError: no such table, or one without weights or with what is not a number.
     """
     from pyarrow import ArrowInvalid, BufferReader, csv, parquet
 
@@ -277,7 +277,7 @@ def _samples(name: object, folder: Path) -> dict[str, Random]:
     if not (len(weight) and columns and (weight >= 0.0).all() and 0.0 < weight.sum() < math.inf):
         raise InputError(where, f'{path}: should have keys of the scene as columns, and a column "{WEIGHT}" of numbers from 0')
     if not all(np.isfinite(values).all() for values in columns.values()):
-        raise InputError(where, f"{path}: has a value that is no number")
+        raise InputError(where, f"{path}: has a value that is not a number")
     below = tuple((np.cumsum(weight) / weight.sum()).tolist())
     return {key: Samples(values=tuple(values.tolist()), below=below) for key, values in columns.items()}
 

@@ -28,15 +28,15 @@ def watched(make: Callable[[Task], Outcome], task: Task) -> Outcome:
         make: makes the run.
         task: the run.
     """
-    if hung(task):
+    if has_hung(task):
         return given_up(task)
-    if not _starts_anew():
+    if not _is_restarted():
         return make(task)
     with _alarm(task.timeout + task.grace, _trace(task)):
         return make(task)
 
 
-def hung(task: Task) -> bool:
+def has_hung(task: Task) -> bool:
     """Return True if a run has ended its worker because it hung."""
     try:
         return bool(_trace(task).read_bytes())
@@ -55,7 +55,7 @@ def _trace(task: Task) -> Path:
     return Path(task.folder) / ROWS / f"{task.name}{SUFFIX}"
 
 
-def _starts_anew() -> bool:
+def _is_restarted() -> bool:
     """Return True if this is a worker whose nanny starts it again when it ends."""
     from distributed import get_worker
 

@@ -275,8 +275,8 @@ def test_damaged_peaks_are_left_out_with_a_word(tmp_path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file["peaks/drift"][0] = 0.5
     with Results.open(path) as results:
-        assert not results.peaks_of_steps
-        assert results.words == (f"{path}: the largest drifts and hinges are damaged; those of the frames are taken",)
+        assert not results.has_peaks_of_steps
+        assert results.words == (f"{path}: the largest drifts and hinges are damaged; the largest values of the frames are used",)
         damage = part_damage.part_damage(results)
     assert damage.parts[0]["max_drift"] < 0.01
     assert damage.hinges[0]["opening"] == pytest.approx(np.sin(np.radians(0.2)), abs=1e-9)

@@ -110,7 +110,7 @@ def solver(**changes: Any) -> dict[str, Any]:
 )
 def test_the_worst_check_decides_and_gives_its_numbers(changes, worst, why):
     found = checks_of(Summary(**SOUND | changes), Thresholds())
-    assert (found.worst, found.reliable) == (worst, worst != "doubtful")
+    assert (found.worst, found.is_reliable) == (worst, worst != "doubtful")
     assert why in found.verdict().why and bool(found.verdict().why) == (worst != "good")
 
 
@@ -249,6 +249,6 @@ def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
         with (tmp_path / name).open(newline="") as file:
             assert {row["provisional"] for row in csv.DictReader(file)} == {said}, name
     assert damage_files.as_json(damage)["provisional"] == said
-    assert part_lines(in_short(damage.parts))[-1] == f"grades, mechanisms and what is left are {said}"
+    assert part_lines(in_short(damage.parts))[-1] == f"grades, mechanisms and residual values are {said}"
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "Grades and what is left are provisional: still moving at 19 mm" in page
+    assert "Grades and residual values are provisional: still moving at 19 mm" in page

@@ -19,7 +19,7 @@ from structures.geometry.prism import box
 B, T, H = 1.0, 0.3, 2.0  # of a pier [m]
 N = 2e5  # on its base [N]
 ROUGH = 5.0  # friction that lets nothing slide
-EXACT = 1e-6  # the closed form of a plane is met but for rounding; 1 % is asked for
+EXACT = 1e-6  # the closed form of a plane is met but for rounding; 1 % is requested
 CONES = 1e-4  # and in space but for the last cuts and the tolerance of cone programmes
 
 

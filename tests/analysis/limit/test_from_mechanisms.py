@@ -58,4 +58,4 @@ def test_a_known_mechanism_lowers_the_least_factor_found_or_leaves_it() -> None:
     assert more.least is not None and more.starts == 2
     assert abs(more.least.optimum.factor - 0.5 / 3.0) < 1e-4 < analysis.least.optimum.factor - more.least.optimum.factor
     again = with_mechanisms(analysis, assembly, joints, [known, known, known])
-    assert again.least is not None and again.starts == 2 and again.least.agreeing == 1  # one mechanism three times is no agreement
+    assert again.least is not None and again.starts == 2 and again.least.agreeing == 1  # one mechanism three times is not agreement

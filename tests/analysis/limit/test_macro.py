@@ -126,7 +126,7 @@ def test_a_wall_alone_overturns_at_its_slenderness_and_no_free_mechanism_starts_
     found = analyse_element(whole, element(whole, "w"), (1.0, 0.0, 0.0), EFFORT)
     assert [one.oscillator.alpha for one in found.mechanisms] == pytest.approx([0.5 / 3.0] * len(found.mechanisms), rel=1e-4)
     assert {one.name for one in found.mechanisms if not one.name.startswith(FREE)} == {"simple overturning"}
-    assert found.numbers.agreed
+    assert found.numbers.has_agreement
 
 
 def test_a_mechanism_of_a_part_whose_solver_ended_early_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -62,7 +62,7 @@ def test_a_pier_overturns_about_its_stress_block(share: float, off: float) -> No
     factors = [one.oscillator.alpha for one in found.mechanisms]
     assert {one.name.startswith(FREE) for one in found.mechanisms} == {True, False}
     assert factors == pytest.approx([by_hand(share)] * len(factors), rel=3e-4)
-    assert found.numbers.agreed
+    assert found.numbers.has_agreement
     first = found.mechanisms[0].mechanism
     assert first is not None and first.crushing.sum() == 1
 

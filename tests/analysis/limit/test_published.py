@@ -59,7 +59,7 @@ def test_least_factor_without_dilation_of_the_largest_wall():
     assert 0.97 * LEAST[6] < analysis.least.optimum.factor < LEAST[6]
 
 
-def test_least_factor_in_space_of_a_wall_beside_a_lone_block_out_of_its_plane():
+def test_least_factor_in_space_of_a_wall_next_to_a_lone_block_out_of_its_plane():
     apart = box("apart", (0.0, 2.0, 0.0), (1.0, 3.0, 0.5))
     in_space = pushed([*dry_wall(3), apart], FRICTION, options=LimitOptions(starts=1))
     assert in_space.problem.axis is None and in_space.least is not None
@@ -150,7 +150,7 @@ def test_horizontal_capacity_of_arches_by_what_stands_under_a_push_that_is_held(
         assert (at_rest(assembly, joints, held)[1].factor > 1.0 - STANDS) == stands
 
 
-def test_a_wall_beside_a_lone_block_out_of_its_plane_bears_as_much():
+def test_a_wall_next_to_a_lone_block_out_of_its_plane_bears_as_much():
     apart = box("apart", (0.0, 2.0, 0.0), (1.0, 3.0, 0.5))
     in_space = pushed([*dry_wall(1), apart], FRICTION)
     assert in_space.problem.axis is None

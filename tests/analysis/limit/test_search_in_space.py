@@ -46,9 +46,9 @@ def test_starts_that_are_left_out_leave_the_others_as_they_are() -> None:
 
 def test_a_search_goes_on_until_two_starts_agree_and_no_farther() -> None:
     assembly, joints, analysis = wedged(2)
-    assert analysis.least is not None and not analysis.least.agreed  # each end has its own mechanism
+    assert analysis.least is not None and not analysis.least.has_agreement  # each end has its own mechanism
     more = with_more_starts(analysis, assembly, joints, 2, 8, 0)
-    assert more.least is not None and more.least.agreed and more.starts < 8
+    assert more.least is not None and more.least.has_agreement and more.starts < 8
     assert more.least.optimum.factor == pytest.approx(ALONE, rel=1e-4)
     assert with_more_starts(more, assembly, joints, 2, 8, 0).starts == more.starts
 

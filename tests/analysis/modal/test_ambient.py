@@ -118,7 +118,7 @@ SENSORS = "sensor,x_m,y_m,z_m\nS0,0,0,0\nS1,0,0,1\n"
     [
         (RECORD.replace("time_s", "time"), SENSORS, 'a.csv: the first column should be time_s, got "time"'),
         (RECORD.replace("S1_x_mm_s2", "S1_x"), SENSORS, 'a.csv: column "S1_x": has no unit; write sensor, axis and unit'),
-        (RECORD.replace("S1_x_mm_s2", "S1_x_mm"), SENSORS, 'a.csv: column "S1_x_mm": mm is no unit of acceleration'),
+        (RECORD.replace("S1_x_mm_s2", "S1_x_mm"), SENSORS, 'a.csv: column "S1_x_mm": mm is not a unit of acceleration'),
         (RECORD.replace("S1_x_mm_s2", "S1_mm_s2"), SENSORS, 'a.csv: column "S1_mm_s2": names no axis'),
         (RECORD.replace("S1_x", "S0_x"), SENSORS, 'a.csv: column "S0_x_mm_s2": sensor S0 has its x in a column before'),
         (RECORD.replace("2,3\n", "2,three\n"), SENSORS, 'a.csv:3: S1_x_mm_s2: should be a number, got "three"'),
@@ -148,8 +148,8 @@ def test_files_that_are_wrong_are_refused(tmp_path: Path, text: str, sensors: st
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"lowest": 1.0}, "need each other"),
-        ({"ambient": "a.csv"}, "need each other"),
+        ({"lowest": 1.0}, "together"),
+        ({"ambient": "a.csv"}, "together"),
         ({"ambient": "a.csv", "sensors": "s.csv", "reference": "m.csv"}, "give one of them"),
         ({"fit": True}, "give reference or ambient"),
         ({"ambient": "none.csv", "sensors": "s.csv"}, "cannot be read"),
@@ -162,5 +162,5 @@ def test_options_that_are_wrong_are_refused(tmp_path: Path, options: dict[str, o
 
 @pytest.mark.parametrize("band", [(0.5, 41.0), (5.0, 5.0)])
 def test_a_band_that_the_record_cannot_show_is_refused(band: tuple[float, float]) -> None:
-    with pytest.raises(InputError, match=r"is no band up to 0.4 of the rate, 40 Hz"):
+    with pytest.raises(InputError, match=r"is not a band up to 0.4 of the rate, 40 Hz"):
         identify(record(shaken(*chain(), 1000)), 2, *band)

@@ -144,7 +144,7 @@ def test_nothing_is_kept_that_is_not_asked_for(tmp_path):
     ("value", "line"),
     [
         ("-5.0", "should be between 0.1 and 1e+10 Pa (5 MPa is 5e6), got -5"),
-        ("{ nave = 5e6 }", '"nave" is no group of blocks'),
+        ("{ nave = 5e6 }", '"nave" is not a group of blocks'),
         ('{ b0 = "5e6" }', 'b0: "5e6" states no unit; write a number in Pa'),
         ("{}", "gives no value"),
     ],

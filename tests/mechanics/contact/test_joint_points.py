@@ -134,7 +134,7 @@ def test_joints_that_are_closed_rigid_or_have_three_points_keep_their_corners():
     assert len(rigid.contacts(1e-4, 0.0).gap) == 4
 
 
-def test_a_joint_gets_its_points_where_it_carries_what_counts_beside_its_block():
+def test_a_joint_gets_its_points_where_it_carries_what_counts_next_to_its_block():
     bed, angle = Bed(RECTANGLE, (0.0, 1.0)), 1e-4
     hardly, well = 0.2 * bed.light, 5.0 * bed.light  # sunk by what makes a joint that is closed all over carry too little, and enough
     tilted = hardly / DEPTH

@@ -50,7 +50,7 @@ def test_each_island_moves_as_in_a_scene_of_its_own_and_as_in_one_problem():
         assert np.abs(together[:, 1 + 3 * k : 4 + 3 * k] - alone[:, 1:]).max() < 1e-6
 
 
-def test_what_rests_sleeps_beside_what_rocks_and_no_drift_shows():
+def test_what_rests_sleeps_next_to_what_rocks_and_no_drift_shows():
     machine, reports = towers("broad", "slender", steps=600), []
     for _ in range(600):
         reports.append(machine.step())

@@ -36,7 +36,7 @@ def pressed(speed_left: float, speed_right: float, stones: int = 1) -> Stepper:
 
 @pytest.mark.parametrize(("left", "right", "jam"), [(0.1, 0.1, 0.1), (0.3, 0.0, 0.15), (0.1, -0.1, 0.0), (-0.1, 0.0, 0.0)])
 def test_the_least_closing_speed_is_half_of_what_the_jaws_close_by(left, right, jam):
-    """Whatever the stone does, one of the jaws goes on closing at half of the sum of their speeds; a stone that can give way is no jam."""
+    """Whatever the stone does, one of the jaws keeps closing at half the sum of their speeds; a stone that can give way is not a jam."""
     machine = pressed(left, right)
     made = machine.friction_problem()
     problem, blocks = made.problem, made.rows.blocks

@@ -107,12 +107,12 @@ def settings(**keys):
 
 def test_a_number_stays_a_fixed_step():
     run = settings(dt=4e-3)
-    assert (run.adaptive, run.longest_step, run.longest_ticks, run.steps, run.frame_every) == (False, 4e-3, 1, 500, 5)
+    assert (run.is_adaptive, run.longest_step, run.longest_ticks, run.steps, run.frame_every) == (False, 4e-3, 1, 500, 5)
 
 
 def test_the_ladder_halves_down_from_the_longest_step():
     run = settings(dt="auto")
-    assert (run.adaptive, run.longest_step, run.dt, run.spans) == (True, 1e-2, 1e-2 / 32, (1, 2, 4, 8, 16, 32))
+    assert (run.is_adaptive, run.longest_step, run.dt, run.spans) == (True, 1e-2, 1e-2 / 32, (1, 2, 4, 8, 16, 32))
     run = settings(dt="auto", dt_max=2e-2, dt_min=3e-3)
     assert (run.longest_step, run.dt, run.spans) == (2e-2, 5e-3, (1, 2, 4))
     assert settings(dt="auto", dt_max=2e-3, dt_min=2e-3).spans == (1,)

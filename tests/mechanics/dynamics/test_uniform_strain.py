@@ -232,7 +232,7 @@ def test_viscosity_takes_its_share_of_critical() -> None:
     assert abs(machine.energy["balance"]) < 1e-12 * machine.energy["damping"] + 1e-18
 
 
-def test_rigid_blocks_beside_soft_ones_stay_rigid() -> None:
+def test_rigid_blocks_next_to_soft_ones_stay_rigid() -> None:
     """Groups of both kinds in one tower: only the soft one is strained, by the weight that it carries."""
     blocks = tower(3, side=0.5, height=0.25)
     blocks[2] = Block("soft", blocks[2].vertices, blocks[2].faces, DENSITY, "pad")

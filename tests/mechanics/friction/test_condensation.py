@@ -98,7 +98,7 @@ def test_it_is_solved_by_the_kernels_of_other_problems() -> None:
     assert numba.typeof(condense(problem).problem.arrays()) == numba.typeof(problem.arrays())
 
 
-def test_factors_in_other_unknowns_are_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_factors_in_other_unknowns_are_rebuilt(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where other rows add unknowns, the factors of the step before are out of date; where the same do, they serve again."""
     fresh, run = [], admm.run_by_team
 

@@ -20,7 +20,7 @@ def product(x, at, rows, inner, g, begin, end, out):
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 @pytest.mark.parametrize("length", [0, 1, 3, 4, 6, 8, 11, 12, 15, 16, 30])
 @pytest.mark.parametrize("rows", [1, 2, 3, 4, 6, 8])
-def test_a_product_of_parts_of_matrices_and_nothing_beside_it(rows, length, kind):
+def test_a_product_of_parts_of_matrices_and_nothing_next_to_it(rows, length, kind):
     generator = np.random.default_rng(rows + 10 * length)
     x, g = generator.normal(size=(7, rows + 5)).astype(kind), generator.normal(size=(7, length + 3)).astype(kind)
     out = np.full((rows + 1, length + 2), 7.0, dtype=kind)

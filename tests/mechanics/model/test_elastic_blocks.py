@@ -47,7 +47,7 @@ def test_a_group_whose_name_has_brackets_goes_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"deformable": {"arhc": "uniform"}, "young": 1e9}, r'material\.deformable\.arhc: "arhc" is no group.*did you mean "arch"'),
+        ({"deformable": {"arhc": "uniform"}, "young": 1e9}, r'material\.deformable\.arhc: "arhc" is not a group.*did you mean "arch"'),
         ({"deformable": "uniform", "young": {"arch": 1e9}}, r"material\.young: no value for the group pier-east"),
     ],
 )

@@ -96,8 +96,8 @@ def test_a_bond_shears_as_the_continuum(length, height, running):
     assert bed.sum() >= 6
     assert normal[bed] == pytest.approx(E / height)
     factor = tangential[bed] * height / G
-    beside = E * length**2 / (4.0 * height**2) / G if running else 0.0
-    assert 1.0 / factor + 1.0 / (factor + beside) == pytest.approx(1.0)
+    extra = E * length**2 / (4.0 * height**2) / G if running else 0.0
+    assert 1.0 / factor + 1.0 / (factor + extra) == pytest.approx(1.0)
 
 
 def test_the_stiffness_turns_with_the_wall():

@@ -148,7 +148,7 @@ def test_level_courses_lie_between_two_skewbacks_each_of_which_has_a_stone_of_it
         assert np.ptp(above.vertices[:, 2]) > 0.2 and np.ptp(bed[:, 0]) > 0.7  # of courses of 0.5 m
 
 
-def test_two_skewbacks_beside_each_other_are_cut_from_one_stone_with_a_bed_of_the_whole_pier() -> None:
+def test_two_skewbacks_next_to_each_other_are_cut_from_one_stone_with_a_bed_of_the_whole_pier() -> None:
     pier, pairs = stepped(0.05)
     top = pier[-1]
     bed = top.vertices[np.abs(top.vertices[:, 2] - top.vertices[:, 2].min()) < 1e-9]
@@ -237,7 +237,7 @@ def test_a_strip_without_walls_is_its_own_mirror_image_and_stands_on_one_foot_to
     assert sum(a[0] < 0 for a in backs) == sum(a[0] > 0 for a in backs) > 0  # into the fill behind either abutment
 
 
-def test_wings_and_parapets_stand_beside_abutments_of_both_kinds() -> None:
+def test_wings_and_parapets_stand_next_to_abutments_of_both_kinds() -> None:
     walls = {**WALLS, "wing_length": 2.0, "parapet_height": 1.0, "parapet_thickness": 0.3}
     bridge = made(SPAN, walls=walls, abutments=[{"rigid": True}, {"rigid": False, "height": 2.0}], cover=0.4)
     assembly = Assembly.from_blocks(bridge.blocks, 0.6)

@@ -34,7 +34,7 @@ def test_a_wall_that_joins_no_other_is_named(tmp_path: Path, axes: dict[str, lis
     assert [line.split()[1] for line in found] == ([named] if named else [])
 
 
-def test_walls_in_centimetres_are_doubted_beside_what_is_refused() -> None:
+def test_walls_in_centimetres_are_doubted_next_to_what_is_refused() -> None:
     walls = ", ".join(
         f'{{name = "{n}", axis = {[[100 * x for x in p] for p in a]}, thickness = 60, height = 300}}' for n, a in ROOM.items()
     )

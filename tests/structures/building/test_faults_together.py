@@ -50,7 +50,7 @@ def test_faults_in_a_plan_name_its_file_and_those_in_the_scene_their_key(tmp_pat
     begins = [
         "structure.walls[0]: walls south and sharp: their strips overlap",
         "plan.json: walls[0].openings[0]: opening o1 of wall south at 0.4 m: with its head it lies over",
-        "plan.json: vaults[0]: vault vault1: its bay at x = 3.333 m, y = 1.3 m is no rectangle",
+        "plan.json: vaults[0]: vault vault1: its bay at x = 3.333 m, y = 1.3 m is not a rectangle",
         'structure.vaults[0]: vault vault2: there is no wall "x"',
     ]
     assert said(found, begins), "\n".join(found)

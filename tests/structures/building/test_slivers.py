@@ -93,7 +93,7 @@ def test_walls_whose_faces_cross_within_the_wall_between_them_leave_no_wedge() -
     assert free_volume(blocks) == pytest.approx(volume_of_plan(prepare({"walls": walls, "course_height": 0.75})), rel=1e-9)
 
 
-def test_a_top_that_steps_beside_a_wall_at_an_angle_leaves_no_wedge() -> None:
+def test_a_top_that_steps_next_to_a_wall_at_an_angle_leaves_no_wedge() -> None:
     """The nave's wall goes on above its side walls, as one of a tower's, from where the other one begins; that one is out of square."""
     walls = [
         wall("nave", [[0, 0], [6, 0.2]], 0.9, top=[[0, 1.5], [3.53, 1.5], [3.53, 3.0], [6.003, 3.0]]),
@@ -120,13 +120,13 @@ def test_tails_come_off_and_cuts_from_inner_corners_leave_wide_pieces() -> None:
     body = shapely.box(0, 0, 2, 1)
     tail = Polygon([(2, 0), (2.05, 0), (2, 0.9)])
     pieces = without_tails(body.union(tail).union(shapely.box(0.5, 1, 0.53, 1.4)), 0.1)
-    assert sorted(round(piece.area, 6) for piece in pieces) == [0.012, 2.0225]  # a side that leans is no tail
+    assert sorted(round(piece.area, 6) for piece in pieces) == [0.012, 2.0225]  # a side that leans is not a tail
     assert without_tails(body, 0.1) == [body]
     bumped = Polygon([(0, 0), (2, 0), (2, 1), (1.2, 1), (1.2, 1.01), (0, 1.01)])
     assert min(least_width(piece) for piece in fat_pieces(bumped)) > 0.5
 
 
-def test_stones_beside_the_head_of_an_opening_are_cut_into_wide_parts() -> None:
+def test_stones_next_to_the_head_of_an_opening_are_cut_into_wide_parts() -> None:
     """A course that lies next to a door's arch and under a rose: cut from its inner corners, not into the triangles that fill it."""
     openings = [
         {"at": 2.5, "width": 1.1, "sill": 1.2, "height": 1.5, "shape": "round"},

@@ -29,7 +29,13 @@ def test_outlines_with_their_marks(tmp_path: Path):
     drawing.box((7.0, 0.0), (8.0, 0.6), "FINESTRE")
     drawing.text("ribassato h=1.5 s=1.0 f=0.2; h=1.2 s=3.5", (7.2, 0.8), "HEIGHTS")
     door, window, low, high = openings(drawing, tmp_path)
-    assert door == {"shape": "rectangular", "at": 1.6, "width": 1.2, "sill": 0.0, "height": 2.4}  # the one that is its width is no height
+    assert door == {
+        "shape": "rectangular",
+        "at": 1.6,
+        "width": 1.2,
+        "sill": 0.0,
+        "height": 2.4,
+    }  # the one that is its width is not a height
     assert window == {"shape": "rectangular", "at": 4.5, "width": 1.0, "sill": 0.9, "height": 2.1}
     assert low == {"shape": "segmental", "at": 7.5, "width": 1.0, "sill": 1.0, "height": 1.5, "rise": 0.2}
     assert high == {"shape": "rectangular", "at": 7.5, "width": 1.0, "sill": 3.5, "height": 1.2}

@@ -102,7 +102,7 @@ def test_columns_and_what_is_not_understood(tmp_path: Path) -> None:
     assert [(c["section"], c["at"]) for c in columns] == [("round", [2.0, 2.0]), ("square", [4.25, 2.25])]
     assert columns[0]["size"] == pytest.approx(0.6, rel=0.02) and columns[1]["size"] == 0.5
     assert [one.drawn_as for one in found.left] == ['IfcWall "bent"', 'IfcColumn "oblong"'] or len(found.left) == 2
-    assert "1 IfcOpeningElement in what is no wall not read" in "\n".join(found.notes)
+    assert "1 IfcOpeningElement in what is not a wall not read" in "\n".join(found.notes)
 
 
 def _cut(text: str) -> str:

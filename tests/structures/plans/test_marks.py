@@ -35,7 +35,7 @@ def test_a_pair_a_profile_and_words():
     gable = marks.read("FACCIATA OVEST h=7.5/9.8/7.5")
     assert (gable.profile, gable.name) == ((7.5, 9.8, 7.5), "facciata_ovest")
     arch = marks.read("portale tutto sesto h=3.60")
-    assert (arch.shape, arch.name, arch.of_opening) == ("round", "portale", True)
+    assert (arch.shape, arch.name, arch.is_of_opening) == ("round", "portale", True)
     assert [marks.read(text).vault for text in ("volta a crociera", "botte", "padiglione", "cupola")] == [
         "cross",
         "barrel",

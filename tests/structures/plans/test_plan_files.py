@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans as files: DXF in text and binary, units, places far away, JSON and back, and what is no plan."""
+"""Plans as files: DXF in text and binary, units, places far away, JSON and back, and what is not a plan."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_json_comes_back_as_it_was_written(tmp_path: Path):
         ("a.json", b"\xff\xfe", "no JSON text"),
         ("a.json", "[" * 100_000, "too deep"),
         ("a.dwg", "", "plans are read from .dxf, .ifc and .json; save it as DXF"),
-        ("a.dxf", "nothing\n", "is no DXF file"),
+        ("a.dxf", "nothing\n", "is not a DXF file"),
         ("a.dxf", "  0\nSECTION\n  2\nENTITIES\n  0\nLINE\n 10\nx\n", "a.dxf does not state"),
     ],
 )
@@ -92,7 +92,7 @@ def test_what_is_no_plan_ends_in_one_line(name: str, content: str | bytes, said:
     assert "\n" not in str(refused.value)
 
 
-def test_keys_of_a_drawing_are_refused_beside_json(tmp_path: Path):
+def test_keys_of_a_drawing_are_refused_next_to_json(tmp_path: Path):
     (tmp_path / "a.json").write_text(json.dumps(PLAN))
     with pytest.raises(InputError, match=r"structure\.units: belongs to a drawing"):
         plans.open_plan(tmp_path / "a.json", {"units": "cm"})

@@ -62,11 +62,11 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     q = 1.0 if table.limit_state == "SLD" else made.put("q", table.behaviour_factor)
     asked = made.put("a asked", asked / q, formula if table.limit_state == "SLD" else f"{formula} / q")
     verdicts = [linear(oscillator, asked, starts, CLAUSE, q)]
-    if table.by_displacements and oscillator.falls:
+    if table.checks_displacements and oscillator.falls:
         found = _non_linear(table, oscillator, ground, made)
         verdicts += [found] if isinstance(found, CheckResult) else []
         unread = found if isinstance(found, str) else ""
-    elif table.by_displacements:
+    elif table.checks_displacements:
         notes.append(no_end(oscillator))
     facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
     return CodeCheck("NTC2008", EDITION, *facts).without_displacements(unread)

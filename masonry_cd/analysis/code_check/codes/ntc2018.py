@@ -70,13 +70,13 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     asked, formula = _asked_at_once(table, ground, made)
     if table.limit_state != "SLC":
         verdicts.append(_linear(table, oscillator, made, (asked, formula), starts))
-    if table.by_displacements and oscillator.falls:
+    if table.checks_displacements and oscillator.falls:
         made.part = NON_LINEAR
         unmoved = made.put("a0* / a", starts / asked, f"a0* / {formula}")
         found = _non_linear(table, oscillator, ground, made, unmoved)
         verdicts += [found] if isinstance(found, CheckResult) else []
         unread = found if isinstance(found, str) else ""
-    elif table.by_displacements:
+    elif table.checks_displacements:
         notes.append(no_end(oscillator))
     facts = (table.limit_state, ground.words, tuple(made.steps), tuple(verdicts), tuple(notes))
     return CodeCheck("NTC2018", EDITION, *facts, left_open=left_open(table)).without_displacements(unread)

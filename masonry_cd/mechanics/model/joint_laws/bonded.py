@@ -15,7 +15,7 @@ from masonry_cd.foundation.fields import Number
 from masonry_cd.foundation.quantities import pressure
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.joint_laws.elastic import ElasticKeys
-from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law, of_masonry
+from masonry_cd.mechanics.model.joint_laws.law import JointHistory, Law, is_of_masonry
 from masonry_cd.mechanics.model.usual import BOND
 
 
@@ -29,7 +29,7 @@ class BondKeys(ElasticKeys):
 
     @model_validator(mode="after")
     def _parts_at_its_cone(self, info: ValidationInfo) -> BondKeys:
-        if self.tension is not None and self.normal_stiffness is None and not of_masonry(info):
+        if self.tension is not None and self.normal_stiffness is None and not is_of_masonry(info):
             why = "how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
             raise ValueError(f"tension needs normal_stiffness as well: {why}")
         return self

@@ -60,7 +60,7 @@ LAW = Law(
     words=_words,
     needs=_needs,
     history=HISTORY,
-    in_limit="joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper value",
+    in_limit="joints that crush bear their strength however far they shorten; masonry softens: with that the factor is an upper bound",
     at_start_only="joints that crush are not followed at finite displacements",
     bounds="joints that crush (material.joints.compressive_strength)",
 )

@@ -14,7 +14,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from masonry_cd.foundation.fields import Number, Table
 from masonry_cd.foundation.units import Unit, Usual
-from masonry_cd.mechanics.model.joint_laws.law import Law, of_masonry
+from masonry_cd.mechanics.model.joint_laws.law import Law, is_of_masonry
 from masonry_cd.mechanics.model.usual import DAMPING
 
 JOINT_POINTS = 9  # over the depth: the moment of an open joint is right to 1.9 %
@@ -55,7 +55,7 @@ class ElasticKeys(Table):
             raise ValueError("damping_frequency needs damping as well: the share of critical that it is at that frequency")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
             raise ValueError("tangential_stiffness needs normal_stiffness as well")
-        if self.normal_stiffness is not None or of_masonry(info):
+        if self.normal_stiffness is not None or is_of_masonry(info):
             return self
         if self.damping > 0.0:
             raise ValueError("damping needs normal_stiffness as well: a rigid joint does not vibrate")

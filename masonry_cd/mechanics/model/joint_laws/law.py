@@ -49,6 +49,6 @@ class Law:
         return bool(self.where(laws).any())
 
 
-def of_masonry(info: ValidationInfo) -> bool:
+def is_of_masonry(info: ValidationInfo) -> bool:
     """True where the scene also names a kind of masonry, which makes the joint elastic."""
     return bool(info.data) and info.data.get("masonry") is not None

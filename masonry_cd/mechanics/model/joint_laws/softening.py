@@ -31,7 +31,7 @@ class SofteningKeys(BondKeys):
     shear_fracture_energy: Annotated[Number, Unit("N/m"), FRACTURE, Field(gt=0)] | None = None
     """G_II, what the bond takes per area when it is sheared, friction not counted; it goes with ``fracture_energy``."""
     softening: Literal["linear", "exponential"] = "exponential"
-    """How the stress of a bond with a fracture energy falls with the separation."""
+    """Softening law: how the stress of a bond with a fracture energy falls with the separation."""
 
     @model_validator(mode="after")
     def _both_and_elastic(self) -> SofteningKeys:

@@ -41,7 +41,7 @@ class JointLaws:
 
     @property
     def by_area(self) -> np.ndarray:
-        """(G, G) bool: joints whose law goes by area, elastic ones and bonded ones."""
+        """(G, G) bool: joints whose law is per area, elastic ones and bonded ones."""
         return self.elastic | (self.apex > 0.0)
 
     def damped_at(self, frequency: float) -> JointLaws:
