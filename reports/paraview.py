@@ -67,7 +67,7 @@ class Mesh:
 
 
 def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thresholds | None = None) -> list[Path]:
-    """Write a run for ParaView into a folder, which is made if need be; return the files to open, and names.csv.
+    """Write a run for ParaView into a folder, which is created if missing; return the files to open, and names.csv.
 
     Raises:
         InputError: a format that is neither ``vtkhdf`` nor ``pvd``.

@@ -11,7 +11,7 @@ and the surface moves by 1 / A of the half-space times the outcrop (Kramer, Geot
 modulus G* = G (sqrt(1 - 4 D^2) + 2 i D) has the size G and the damping ratio D (Dormieux & Canou, 1990).
 
 A layer with a plasticity index is **equivalent-linear** (Schnabel, Lysmer & Seed, EERC 72-12, 1972): G and D are those of 0.65 of its
-largest shear strain, found anew until they change by less than 0.1 %. Their curves are those of Darendeli (Univ. of Texas at Austin, 2001),
+largest shear strain, recomputed until they change by less than 0.1 %. Their curves are those of Darendeli (Univ. of Texas at Austin, 2001),
 at 1 Hz and 10 cycles, by the mean effective stress s' in atmospheres, with horizontal stresses half the vertical one:
 
     G / G_max = 1 / (1 + (g / g_r)^0.919),    g_r = (0.0352 + 0.0010 PI OCR^0.3246) s'^0.3483  [%]

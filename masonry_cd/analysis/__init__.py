@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Questions asked of a model or of the results of a run: damage, limit load, modes, stress, checks by a code, fragilities."""
+"""Questions asked of a model or of the results of a run: damage, limit load, modes, stress, code checks, fragilities."""

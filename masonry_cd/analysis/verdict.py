@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The verdict on a result, with which every output begins: what came out, how sure that is, and why.
 
-A run, an assessment and a check by a code each come to one of these; page, PDF, terminal and JSON show it and judge nothing by themselves.
+A run, an assessment and a code check each come to one of these; page, PDF, terminal and JSON show it and judge nothing by themselves.
 What cannot be relied on has no grade: that it cannot, and why, stands in its place.
 """
 

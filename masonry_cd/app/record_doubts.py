@@ -78,7 +78,7 @@ def size_doubts(table: Mapping[str, Any], where: str, made: Sequence[Mapping[str
         where: the place of these.
         made: the components as they are built.
     """
-    if "target_pga" in table:  # which is looked at by itself
+    if "target_pga" in table:  # which is checked by itself
         return
     key = next((name for name in ("scale", "units", "path") if name in table), "components")  # of which a shock has several
     given = f" = {table[key]:g}" if key == "scale" else ""

@@ -26,7 +26,7 @@ class Result(Generic[T_co]):
     Attributes:
         value: what Python gets.
         lines: for the terminal.
-        warnings: what must not pass in silence, a line each.
+        warnings: what must not pass silently, a line each.
         written: files that the command has written.
         stopped: why it ended before its time; empty where it did not. One of the lines or warnings says so.
         signal: number of the signal that ended it, 0 for none.

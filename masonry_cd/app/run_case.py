@@ -70,7 +70,7 @@ def run_case(
     own: Own | None = None,
     pictures: bool = True,
 ) -> Summary:
-    """Run a case and write everything into a folder, which is made if need be.
+    """Run a case and write everything into a folder, which is created if missing.
 
     Args:
         case: from :func:`prepare`.

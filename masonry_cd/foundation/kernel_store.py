@@ -40,7 +40,7 @@ def places() -> list[Path]:
 
 
 def folder() -> Path | None:
-    """The folder to write to, made if need be; None where there is none."""
+    """The folder to write to, created if missing; None where there is none."""
     return _writable(os.environ.get(FOLDER, ""))
 
 

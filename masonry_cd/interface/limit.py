@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limit analysis of a scene: the load factor, the mechanisms of the whole and of its parts, the check by a code."""
+"""Limit analysis of a scene: the load factor, the mechanisms of the whole and of its parts, the code check."""
 
 from __future__ import annotations
 
@@ -93,8 +93,8 @@ class LimitAnalysis(Sealed):
 
     @property
     def mechanisms(self) -> DataFrame:
-        """All mechanisms of the whole and of its parts, the gravest first, with the columns of mechanisms.csv: ``alpha0``, ``e_star``,
-        ``a0_m_s2`` over the confidence factor and ``demand_m_s2``, ``d0_m``, ``displacement_m`` and its demand, ``ratio`` and
+        """All mechanisms of the whole and of its parts, the governing one first, with the columns of mechanisms.csv: ``alpha0``,
+        ``e_star``, ``a0_m_s2`` over the confidence factor and ``demand_m_s2``, ``d0_m``, ``displacement_m`` and its demand, ``ratio`` and
         ``verdict`` of the check that decides.
 
         Without a table ``[limit.check]`` the least a0* comes first, and there is no demand, ratio or verdict.
@@ -103,7 +103,7 @@ class LimitAnalysis(Sealed):
 
     @property
     def parts(self) -> DataFrame:
-        """The gravest mechanism of each part and push, as :attr:`mechanisms` has all."""
+        """The governing mechanism of each part and push, as :attr:`mechanisms` has all."""
         from masonry_cd.limit.checked import least_of
 
         return _frame(least_of(self._case.mechanisms))
@@ -115,7 +115,7 @@ class LimitAnalysis(Sealed):
 
     @property
     def check(self) -> DataFrame | None:
-        """The check by a code of the mechanism that decides, value by value: symbol, value, unit, clause, meaning, formula, part of the
+        """The code check of the mechanism that decides, value by value: symbol, value, unit, clause, meaning, formula, part of the
         check, and ``line``, the formula with its numbers; ``attrs["verdicts"]`` say what is satisfied, not satisfied or not decided.
 
         None without a table ``[limit.check]``, and where the structure does not stand.
@@ -258,7 +258,7 @@ def limit_analysis(
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of; its table ``limit`` says what is multiplied.
         folder: where tables, pictures and page are written; nowhere by default.
-        macro_elements: look at each part of the structure with all else held as well.
+        macro_elements: look at each part of the structure with all other blocks held as well.
         jobs: processes for the parts; as many as there are cores by default.
         force: overwrite what the folder holds.
 
@@ -285,7 +285,7 @@ def macro_elements(
     jobs: int | None = None,
     force: bool = False,
 ) -> LimitAnalysis:
-    """The parts of a structure one by one, each with all else held, and no load on the whole.
+    """The parts of a structure one by one, each with all other blocks held, and no load on the whole.
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of; its table ``limit`` may choose or add parts, and check them.

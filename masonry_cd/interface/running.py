@@ -33,7 +33,7 @@ def run(
 
     Args:
         source: a scene, or what :func:`masonry_cd.scene` makes one of.
-        folder: for the results, made if need be; by default a temporary one that lasts as long as the run that is returned.
+        folder: for the results, created if missing; by default a temporary one that lasts as long as the run that is returned.
         progress: say on standard error how far it is: a bar on a terminal, a line every ten seconds elsewhere.
         force: overwrite what the folder holds.
 

@@ -141,7 +141,7 @@ class Scene(Sealed):
         """Write the deck of another program, as ``masonry-cd export`` does; return its files.
 
         Args:
-            folder: made if need be.
+            folder: created if missing.
             program: "lmgc90" or "3dec".
             force: whether files that are there may be overwritten.
 

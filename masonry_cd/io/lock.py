@@ -28,7 +28,7 @@ NAME = "run.lock"
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold a folder, which is made if need be; the lock of a process that is dead is taken over.
+    """Hold a folder, which is created if missing; the lock of a process that is dead is taken over.
 
     Raises:
         InputError: a run that is alive, or may be since it is on another machine, holds the folder.

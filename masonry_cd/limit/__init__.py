@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limit analysis of a scene: its load factor and mechanisms, those of its parts, and their check by a code.
+"""Limit analysis of a scene: its load factor and mechanisms, those of its parts, and their code check.
 
 The whole of a structure is the part that holds everything, so that one :class:`~masonry_cd.limit.case.LimitCase` has the mechanisms of the
 whole and of all parts in one table, and one verdict.
@@ -7,7 +7,7 @@ whole and of all parts in one table, and one verdict.
 case.py        a scene becomes a LimitCase
 whole.py       the whole under the load that the scene multiplies
 parts.py       the requested macro-elements and their analysis
-checked.py     each mechanism with its check by a code, and the verdict of the gravest
+checked.py     each mechanism with its code check, and the verdict of the governing one
 search.py      how far the least factor is searched for
 left_state.py  the blocks where a run left them
 vehicle.py     the worst place of a vehicle

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The load factor with what is assumed of a structure assumed otherwise, one thing at a time: bond, crushing, and all that fill does.
+"""The load factor with one assumption on a structure changed at a time: bond, crushing, and the effects of fill.
 
 Each row is a limit analysis of its own, of a vehicle without a place at the place that is then the worst. Of a bridge the verdict takes
-what its scene states; where the scene states nothing, it takes what lowers the factor, all of it together. No default decides in silence.
+what its scene states; where the scene states nothing, it takes what lowers the factor, all of it together. No default decides silently.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class AssumedRow:
 
 @dataclass(frozen=True)
 class Assumed:
-    """Assumptions on which a load factor rests: a row for each, of a bridge the scene's own first."""
+    """The assumptions behind a load factor: a row for each, of a bridge the scene's own first."""
 
     rows: tuple[AssumedRow, ...] = ()
 
@@ -98,7 +98,7 @@ class Assumed:
 
 
 def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing | None) -> Assumed:
-    """The load factors of a structure as built with its assumptions otherwise; none of one that does not stand, or assumes nothing.
+    """The load factors of a structure as built with its assumptions changed; none if it does not stand, or assumes nothing.
 
     Only of a bridge there are some where its own is not finite.
     """
@@ -121,7 +121,7 @@ def assumed(structure: LimitStructure, whole: WholeAnalysis, crossing: Crossing 
 
 
 def against(structure: LimitStructure, lowers: Callable[[LimitStructure], bool]) -> tuple[AssumedRow, LimitStructure] | None:
-    """A bridge under live load with all that its scene leaves open assumed against it, and the row of that without its factor.
+    """A bridge under live load with all unstated values assumed unfavourably, and the row of that without its factor.
 
     Args:
         structure: as its scene states it.
@@ -169,7 +169,7 @@ def _merged(one: LimitStructure, built: LimitStructure, other: LimitStructure) -
 
 
 def _of_joints(structure: LimitStructure) -> Iterator[tuple[AssumedRow, LimitStructure]]:
-    """Rows of what joints are assumed to do, without their factors, and the structures of which they are."""
+    """Rows of the assumptions on joints, without their factors, and their structures."""
     assembly, laws, material = structure.assembly, structure.assembly.laws, structure.scene.material
     if laws.apex.any():
         yield (
@@ -202,7 +202,7 @@ def against_fill(structure: LimitStructure) -> tuple[AssumedRow, LimitStructure]
 
 
 def _of_fill(structure: LimitStructure, shaken: bool) -> Iterator[tuple[AssumedRow, LimitStructure]]:
-    """Likewise of what fill is assumed to do, and of walls."""
+    """Rows of the assumptions on fill and walls, with their structures."""
     name, fills, scene = "passive_shaken" if shaken else "passive", structure.made.fills, structure.scene
     open_, where = not all(_states(scene, fill, name) for fill in fills), fills[0].where
     if any(getattr(fill, name) > 0.0 for fill in fills):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The limit analysis of a scene: the whole under its load, its parts with all else held, and the one verdict on all of them."""
+"""The limit analysis of a scene: the whole under its load, its parts with all other blocks held, and the one verdict on all of them."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class LimitCase:
     whole: WholeAnalysis | None  # None where the scene multiplies nothing and parts alone are looked at
     crossing: Crossing | None  # of a vehicle whose worst place was looked for
     parts: tuple[ElementAnalysis, ...]  # macro-elements, one for each and each push
-    mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the gravest first
+    mechanisms: tuple[Checked, ...]  # of the whole and of all parts, the governing one first
     decides: Checked | None  # the mechanism with the verdict; None without a check
     notes: tuple[str, ...]  # what must not be overlooked
     modelled: tuple[str, ...]  # a line on masses, and on ties, floors and fill
@@ -293,7 +293,7 @@ def _refuse_check(loads: StaticLoads, gravity: Sequence[float]) -> None:
 
 
 def _verdict(case: LimitCase) -> CheckVerdict:
-    """The verdict of the gravest mechanism, on those that no check could be made of, on parts that the solver has no answer for, and on a
+    """The verdict of the governing mechanism, on those that no check could be made of, on parts that the solver has no answer for, and on a
     whole that has no load factor at which a mechanism would start.
 
     It names the load factors of the whole with what is assumed of it assumed otherwise.

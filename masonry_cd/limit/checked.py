@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mechanisms with their check by a code: those of the whole and of its parts in one table, and the verdict of the gravest.
+"""Mechanisms with their code check: those of the whole and of its parts in one table, and the verdict of the governing one.
 
 Each is checked at the level of its own constraint lines. "satisfied" follows only where the search for the least mechanism of its part is
 sure. Stones of one course that slide by themselves, as on top of a wall, are no mechanism of the wall: they end the table, and decide where
@@ -133,7 +133,7 @@ class Checked:
 
 
 def checked(parts: Sequence[ElementAnalysis], table: CheckTable | None, ground: Ground | None, assembly: Assembly) -> list[Checked]:
-    """All mechanisms of parts, the gravest first, and without a check by the least a0*.
+    """All mechanisms of parts, the governing one first, and without a check by the least a0*.
 
     Args:
         parts: what was found.
@@ -182,7 +182,7 @@ def _no_displacement(one: FoundMechanism) -> str:
 
 
 def least_of(rows: Sequence[Checked]) -> list[Checked]:
-    """The gravest mechanism of each part and push."""
+    """The governing mechanism of each part and push."""
     first: dict[tuple[str, str], Checked] = {}
     for each in rows:
         first.setdefault((each.part.element.name, way_words(each.part.direction)), each)

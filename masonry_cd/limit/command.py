@@ -20,7 +20,7 @@ class LimitFiles:
     """The folder for the files of an analysis, and what is written there.
 
     Attributes:
-        folder: for them, made if need be.
+        folder: for them, created if missing.
         force: overwrite those that are there.
         resume: continue an analysis of this scene that was stopped in this folder; parts that are kept there are not analysed again.
         pictures: draw them.

@@ -25,7 +25,7 @@ EVERY = files_of("limit")  # that a folder of an analysis may hold
 
 
 def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "auto", run: Path | None = None) -> list[Path]:
-    """Write limit.json, the tables, the pictures and the page into a folder, which is made if need be.
+    """Write limit.json, the tables, the pictures and the page into a folder, which is created if missing.
 
     Args:
         case: the analysis.

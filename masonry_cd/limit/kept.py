@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that an analysis has done with, kept in its folder, so that one that was stopped goes on where it ended.
+"""Finished parts of an analysis, kept in its folder, so that a stopped analysis continues where it ended.
 
 ``parts.kept`` has a record for each part and push: its length, and the pickled analysis behind a stamp of scene, blocks and version. A part
 of another stamp is analysed again, and the last record is left out where a kill cut it short. Only our own values and arrays are read.
@@ -46,7 +46,7 @@ READ = {  # what a record may consist of, by its module
 
 @dataclass
 class KeptParts:
-    """The parts of an analysis that are done, in a folder, which is made with the first of them."""
+    """The finished parts of an analysis, in a folder that is created with the first of them."""
 
     folder: Path
     stamp: bytes
@@ -129,7 +129,7 @@ def _records(file: Path) -> list[bytes]:
 
 
 def _stamp(structure: LimitStructure) -> bytes:
-    """A digest of all that the analysis of a part follows from: the text of the scene, the blocks, the version."""
+    """A digest of the input of the analysis of a part: the text of the scene, the blocks, the version."""
     from masonry_cd import __version__
 
     sha = hashlib.sha256(f"{__version__}\n{structure.scene.text}".encode())

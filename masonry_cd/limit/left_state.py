@@ -125,7 +125,7 @@ def _frame(results: Results, time: float | None) -> int:
 
 
 def against_undamaged(now: Analysis, whole: Analysis) -> str:
-    """The line on what is left of the load factor of the structure as built."""
+    """The line on the load factor as a share of that of the structure as built."""
     if not now.stands:
         return (
             f"as built it bore its dead loads; now it bears {100.0 * max(now.standing, 0.0):.3g} % of them"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Macro-elements: the parts of a structure, each with all else held.
+"""Macro-elements: the parts of a structure, each with all other blocks held.
 
 Asked for are those of the structure's kind and those of ``[[limit.mechanism]]``. Those that may go along the push of the whole are looked
 at in any case, as rigid bodies: there the search for the least factor begins, and a check has their mechanisms in its table.
@@ -48,7 +48,7 @@ def whole_of(structure: LimitStructure, loads: StaticLoads) -> Whole:
 
 
 def effort_of(asked: LimitTable, seed: int) -> Effort:
-    """How much is looked for in a part that a scene asks for."""
+    """The effort of the search in a part that a scene requests."""
     most = SEARCHED if asked.starts is None else 2**62
     displacements = asked.check is not None and asked.check.checks_displacements
     return Effort(STARTS if asked.starts is None else asked.starts, most, seed, displacements)
@@ -141,7 +141,7 @@ def elements_of(tables: Sequence[MechanismTable], named: Sequence[MacroElement],
 
 
 def in_pieces(elements: Sequence[MacroElement], joints: Joints) -> list[str]:
-    """A line on each part that is in several pieces, which no joint of it joins: as one body they turn about one line."""
+    """A line on each part in several pieces that no joint connects: as one body they turn about one line."""
     out = []
     for one in elements:
         inside = np.isin(joints.block_a, one.blocks) & np.isin(joints.block_b, one.blocks)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of ``masonry-cd limit``: mechanism and thrust of the whole, its capacity curve, the gravest mechanism of each part."""
+"""The pictures of ``masonry-cd limit``: mechanism and thrust of the whole, its capacity curve, the governing mechanism of each part."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ def draw_spectra(case: LimitCase, folder: Path) -> list[Path]:
     state = f", {check.limit_state}" if check.limit_state else ""
     words = f"{row['element']}, push {row['push']}: {row['mechanism']} · {check.edition}{state}"
     made = spectra(check, asked, ground, gravity)
-    return [draw_spectra(made, folder / "spectrum.png", f"{case.scene.title}: check by a code", words)]
+    return [draw_spectra(made, folder / "spectrum.png", f"{case.scene.title}: code check", words)]
 
 
 def draw_parts(case: LimitCase, folder: Path, view: str = "auto") -> dict[Path, str]:
-    """Draw the gravest mechanism of each part that was looked at by itself into a folder, each PNG with what it shows.
+    """Draw the governing mechanism of each part that was analysed by itself into a folder, each PNG with what it shows.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL.

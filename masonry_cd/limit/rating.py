@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The load rating of a bridge: what each vehicle may weigh with the load factor that ``[limit.rating]`` asks for.
+"""The load rating of a bridge: the permitted weight of each vehicle at the load factor that ``[limit.rating]`` requires.
 
 Each vehicle stands in place of the scene's own, along the same line, at the place that is its worst. Its load factor is the least found,
 with all that the scene leaves open of fill and strength assumed against the bridge (:mod:`masonry_cd.limit.assumed`), and its axles may
@@ -179,7 +179,7 @@ def _with(scene: Scene, number: int, row: Rated) -> Scene:
 
 
 def _rated(structure: LimitStructure, number: int, row: Rated) -> Rated:
-    """The vehicle at its worst place, as the scene states it, and with what it leaves open assumed against it."""
+    """The vehicle at its worst place, as the scene states it, and with unstated values assumed unfavourably."""
     placed, crossing = at_worst(structure)
     found = _analysed(placed)
     if not found.analysis.stands or found.analysis.is_endless or crossing is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far the least factor without dilation is searched for, as a scene asks for it, and what follows from a search."""
+"""The extent of the search for the least factor without dilation, and the conclusions from a search."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ASK = "limit.starts = 2 does"
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """How to solve."""
+    """The settings of a search."""
 
     analysis: LimitOptions
     curve: LimitOptions  # of the points of a capacity curve
@@ -67,7 +67,7 @@ def search_words(analysis: Analysis) -> str:
 
 
 def certificate_lines(analysis: Analysis) -> list[str]:
-    """How good the associated factor is, in a line; none where it is not finite."""
+    """A line on the accuracy of the associated factor; none where it is not finite."""
     answer, made = analysis.associated, analysis.associated.certificate
     if analysis.unlimited:
         return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""The worst place of a vehicle on a bridge: the least factor of its axles over where it stands.
+r"""The worst place of a vehicle on a bridge: the least factor of its axles over its position.
 
 At each of some places of the first axle, from where it comes onto the bridge to where the last one leaves it, the largest factor that
 equilibrium and friction allow is found, with dead loads, fill and all other loads as they are. Around the least of these, places are
@@ -72,7 +72,7 @@ class Crossing:
 
 
 def at_worst(structure: LimitStructure, quiet: bool = True, first: float | None = None) -> tuple[LimitStructure, Crossing | None]:
-    """A structure with the vehicle that its limit analysis multiplies at its worst place; as it is where no place is to be found.
+    """A structure with the vehicle that its limit analysis multiplies at its worst place; unchanged where no place is sought.
 
     It says how long the places still take, unless it is ``quiet``. With a place to look at ``first``, likely the worst one, factors of
     others are found only as far as they may be less, and are lower bounds.

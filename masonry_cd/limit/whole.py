@@ -66,7 +66,7 @@ class WholeAnalysis:
 
     @property
     def joints(self) -> Joints:
-        """Between them."""
+        """Their joints."""
         return self.structure.joints
 
     @cached_property
@@ -83,7 +83,7 @@ class WholeAnalysis:
 
     @cached_property
     def ties(self) -> list[LimitTie]:
-        """The ties with what they pull then; none of a structure that does not stand."""
+        """The ties with their tension at collapse; none of a structure that does not stand."""
         if not self.analysis.stands:
             return []
         return limit_ties(self.loads.tie_names, self.loads.bars, self.collapse.bars, self.assembly.names, self.analysis.problem.weight)
@@ -103,7 +103,7 @@ def analyse_whole(
         structure: with its scene.
         loads: on it.
         how: how far its least factor is searched for.
-        parts: macro-elements, at whose gravest mechanisms the search begins as well where they go with the push.
+        parts: macro-elements, at whose governing mechanisms the search begins as well where they go with the push.
         curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
 
     Raises:
@@ -176,7 +176,7 @@ def _analysed(structure: LimitStructure, loads: StaticLoads, options: LimitOptio
 
 
 def _begun_at_parts(analysis: Analysis, structure: LimitStructure, loads: StaticLoads, parts: Sequence[ElementAnalysis]) -> Analysis:
-    """An analysis under a push whose search has begun at the gravest mechanisms of parts as well, and at what would overturn below the
+    """An analysis under a push whose search has begun at the governing mechanisms of parts as well, and at what would overturn below the
     factor found then. As it was where gravity is not along -z or the push not level."""
     way = np.asarray(loads.direction)
     if not structure.is_upright or abs(way[2]) > 0.0:

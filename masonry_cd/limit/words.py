@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lines of a limit analysis: the factor and how sure it is, the mechanism, those of parts, the check by a code."""
+"""The lines of a limit analysis: the factor and its reliability, the mechanism, those of parts, the code check."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NAMED = 6  # blocks that a line names
 
 
 def lines(case: LimitCase) -> list[str]:
-    """All lines of the analysis: the verdict, what was found, the check by a code, and what is modelled."""
+    """All lines of the analysis: the verdict, what was found, the code check, and what is modelled."""
     verdict = on_the_whole(facts(case))
     how = _how_lines(case.whole) if case.whole is not None and case.whole.has_factor else []
     return [
@@ -48,7 +48,7 @@ def lines(case: LimitCase) -> list[str]:
 
 
 def _checked_lines(case: LimitCase) -> list[str]:
-    """Which mechanism is checked and where it is held."""
+    """The mechanism that is checked, and the height at which it is held."""
     each = case.decides
     assert each is not None and each.level is not None
     looked, made = looked_at(each, case.mechanisms), each.one.oscillator
@@ -69,7 +69,7 @@ def found_lines(case: LimitCase) -> list[str]:
 
 
 def _part_lines(case: LimitCase) -> list[str]:
-    """The parts, the gravest mechanism of each, and which are held; none where parts were not looked at by themselves."""
+    """The parts, the governing mechanism of each, and which are held; none where parts were not analysed by themselves."""
     some = [each.words for each in least_of(case.mechanisms) if each.part.element.name != THE_WHOLE]
     head = [_parts_in_words(case)] if case.whole is not None and case.parts else []
     held = [f"{one.element.name} {way_words(one.direction)}" for one in case.parts if one.held]
@@ -77,11 +77,11 @@ def _part_lines(case: LimitCase) -> list[str]:
 
 
 def _parts_in_words(case: LimitCase) -> str:
-    """How many parts were looked at."""
+    """The number of parts analysed."""
     elements = len({one.element.name for one in case.parts})
     pushes = len(case.parts)
     of = f"{counted(elements, 'macro-element')} under {pushes} push{'es' if pushes != 1 else ''}"
-    return f"{of}, each with all else held, {counted(case.structure.assembly.count, 'block')}"
+    return f"{of}, each with all other blocks held, {counted(case.structure.assembly.count, 'block')}"
 
 
 def _factor_lines(case: LimitCase, whole: WholeAnalysis) -> list[str]:

@@ -20,7 +20,7 @@ class StrengtheningFiles:
     """The folder for the files of a strengthening, and what is written there.
 
     Attributes:
-        folder: for them, made if need be.
+        folder: for them, created if missing.
         force: overwrite those that are there.
         pictures: draw them.
         view: of the pictures.

@@ -43,7 +43,7 @@ class ActingTie(LimitTie):
 
 
 def write(made: StrengtheningDesign, folder: Path, pictures: bool = True, view: str = "auto") -> tuple[dict[str, Any], list[Path]]:
-    """Write all files into a folder, which is made if need be; return the contents of strengthen.json, and the paths.
+    """Write all files into a folder, which is created if missing; return the contents of strengthen.json, and the paths.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL for the pictures.

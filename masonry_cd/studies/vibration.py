@@ -113,7 +113,7 @@ def vibration(scene: Scene, options: Mapping[str, Any], folder: Path, force: boo
     Args:
         scene: whose joints all are elastic.
         options: keys of :class:`VibrationOptions`.
-        folder: made if need be.
+        folder: created if missing.
         force: overwrite the files that are there.
 
     Returns:

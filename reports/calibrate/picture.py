@@ -48,7 +48,7 @@ def draw_posterior(found: Posterior, path: Path) -> None:
 
 
 def _draw_before_and_after(axes: Any, found: Posterior, name: str) -> None:
-    """The histograms of an unknown, and its range."""
+    """Draw the histograms of an unknown, and its range."""
     values, one, (_, factor) = _scaled(found, name), found.ranges[name], found.shown(name)
     for w, look in ((found.prior, {"color": PALE}), (found.weights, {"color": colour(0), "alpha": 0.75})):
         axes.hist(values, BINS, range=(values.min(), values.max()), weights=w, density=True, **look)
@@ -58,7 +58,7 @@ def _draw_before_and_after(axes: Any, found: Posterior, name: str) -> None:
 
 
 def _draw_pair(axes: Any, found: Posterior, across: str, up: str) -> None:
-    """The samples of two unknowns."""
+    """Draw the samples of two unknowns."""
     x, y = _scaled(found, across), _scaled(found, up)
     axes.plot(x, y, ".", color=PALE, markersize=2.0, zorder=1)
     axes.scatter(x, y, SPOT * found.weights / found.weights.max(), color=colour(0), alpha=0.45, linewidths=0.0, zorder=2)
@@ -70,7 +70,7 @@ def _scaled(found: Posterior, name: str) -> np.ndarray:
 
 
 def _draw_observations(axes: Any, found: Posterior) -> None:
-    """Each observation in standard deviations of its error, from its value, or from its median prediction where there is none."""
+    """Draw each observation in standard deviations of its error, from its value, or else from its median prediction."""
     format_axes(axes, "", "distance from what was observed [std of error]")
     for row, one in enumerate(found.checks):
         middle = float(one["median"] if one["value"] is None else one["value"])

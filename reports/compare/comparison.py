@@ -202,7 +202,7 @@ MISSING = "–"
 
 
 def write_comparison(comparison: ComparisonTable, folder: Path) -> list[Path]:
-    """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
+    """Write comparison.csv, comparison.md and comparison.png into a folder, which is created if missing."""
     paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
     own_files.begin(folder, [path.name for path in paths])
     exact = ([*row[:2], *(v if v is None or isinstance(v, float) else str(v) for v in row[2])] for row in comparison.rows)

@@ -117,7 +117,7 @@ def _between(line: np.ndarray, start: float, end: float) -> np.ndarray:
 
 
 def _draw_extents(axes: Any, size: np.ndarray) -> None:
-    """The extent of the axes in plan along x and y."""
+    """Draw the extent of the axes in plan along x and y."""
     for (a, b), words, turn in (
         (((0.0, -GAP), (size[0], -GAP)), f"{size[0]:.2f}", 0),
         (((-GAP, 0.0), (-GAP, size[1])), f"{size[1]:.2f}", 90),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""limit.html, a limit analysis on one page: verdict, mechanisms of the whole and of its parts, check by a code, pictures, certificate."""
+"""limit.html, a limit analysis on one page: verdict, mechanisms of the whole and of its parts, code check, pictures, certificate."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def _ties(summary: Mapping[str, Any]) -> list[list[str]]:
 
 
 def _least(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The gravest mechanism of each part and push, the first in the table."""
+    """The governing mechanism of each part and push, the first in the table."""
     first: dict[tuple[str, str], Mapping[str, Any]] = {}
     for row in rows:
         first.setdefault((row["element"], row["push"]), row)

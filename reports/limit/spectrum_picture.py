@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The spectra of a check by a code, of the ground and at the height of the mechanism, with what is required and what is borne."""
+"""The spectra of a code check, of the ground and at the height of the mechanism, with what is required and what is borne."""
 
 from __future__ import annotations
 

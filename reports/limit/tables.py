@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of a limit analysis: mechanisms.csv, blocks.csv, joints.csv, ties.csv, and check.csv, the check by a code step by step."""
+"""The tables of a limit analysis: mechanisms.csv, blocks.csv, joints.csv, ties.csv, and check.csv, the code check step by step."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of a run over time: what was put in, where it went, and how well the account closes
+"""The energy of a run over time: the work done, where it went, and the error of the balance
 (:mod:`masonry_cd.mechanics.dynamics.moreau_jean`).
 
     put in = work of the supports + work of gravity (+ of point loads and ties)  =  kinetic + friction + impact (+ stored) + balance

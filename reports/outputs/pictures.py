@@ -14,18 +14,18 @@ from reports.outputs import crack_scene_at, frame_at, style_of
 
 
 def _write_crack_map(job: Job) -> Iterable[Path]:
-    """The map of a frame."""
+    """Write the map of a frame."""
     Sheet.drawn(crack_scene_at(job.results, job.settings, job.time)).save(job.folder / "crack_map.png")
     return [job.folder / "crack_map.png"]
 
 
 def _write_vector(job: Job) -> Iterable[Path]:
-    """That map as polygons."""
+    """Write that map as polygons."""
     return save_polygons(crack_scene_at(job.results, job.settings, job.time), job.folder, "crack_map")
 
 
 def _write_times(job: Job) -> Iterable[Path]:
-    """Maps at some times; of a run that left out rests or was interrupted, a warning for those beyond its end."""
+    """Write maps at some times; warn of times beyond the end of a run that skipped rests or was interrupted."""
     times, beyond = times_within(job.results, job.settings.times)
     if beyond:
         at = ", ".join(f"{time:g}" for time in beyond)
@@ -36,13 +36,13 @@ def _write_times(job: Job) -> Iterable[Path]:
 
 
 def _write_animation(job: Job) -> Iterable[Path]:
-    """The map through the run."""
+    """Write the animation of the run."""
     draw_animation(job.results, job.folder / "crack_map.gif", style_of(job.settings))
     return [job.folder / "crack_map.gif"]
 
 
 def _write_stress(job: Job) -> Iterable[Path]:
-    """The tables, and the numbers of the summary.
+    """Write the tables, and the numbers of the summary.
 
     Raises:
         InputError: the run kept no stress.
@@ -58,7 +58,7 @@ def _write_stress(job: Job) -> Iterable[Path]:
 
 
 def _write_stress_map(job: Job) -> Iterable[Path]:
-    """The map of a frame where a time is given, else of the whole run."""
+    """Write the map of a frame where a time is given, otherwise of the whole run."""
     from reports.maps.stress_map import stress_scene
 
     if job.summary.stress is None:

@@ -19,7 +19,7 @@ DAMAGE = {
 
 
 def _write_damage(job: Job) -> Iterable[Path]:
-    """The damage by part, in short in the summary as well."""
+    """Write the damage by part, and its short form in the summary."""
     from masonry_cd.analysis.outputs.measured import in_short
     from masonry_cd.io.summary import Summary
     from reports.damage import write_part_damage

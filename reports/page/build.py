@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts the page together: what a result holds, packed, with the words and the scripts, into one file.
+"""Writes the page: the packed content of a result, with the texts and the scripts, in one file.
 
 The file stays below ``LIMIT``: where all frames would not fit, fewer of them are sent, evenly spread, and the page says how many.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A section of the page of a run: a heading, a template, and what fills it.
+"""A section of the page of a run: a heading, a template, and its content.
 
 A module of this package lists its own in ``SECTIONS``, by the names that links go to. The template is the file of that name in
 ``reports/templates/run``, or the section brings it along.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The case as text and numbers: what stands, what shook it, what came of it, and how well it was computed."""
+"""The case as text and numbers: the structure, its loads, its damage, and the reliability of the run."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def number(value: float, unit: str = "", digits: int = 4) -> str:
 
 
 def sensible(value: float) -> str:
-    """A residual value in mm or per cent as it is worth reading: three digits, and no more than a thousandth."""
+    """A residual value in mm or per cent with at most three digits, and none below a thousandth."""
     return "< 0.001" if np.isfinite(value) and 0.0 < abs(value) < 1e-3 else number(value, digits=3)
 
 
@@ -170,7 +170,7 @@ def outcome(context: PageContext) -> list[str]:
 
 
 def notices(context: PageContext) -> list[str]:
-    """Return the notices that must not be overlooked; none when all is well."""
+    """Return the notices of the run; empty when all is well."""
     summary, out = context.summary, []
     if summary.stopped:
         out.append(f"The run ended early: {summary.stopped}. The page shows it up to there.")
@@ -217,7 +217,7 @@ def _shown(one: Number, context: PageContext) -> str:
 
 
 def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
-    """The scene's tables, the loads with what they amount to, and the versions, as titled lists of terms."""
+    """The scene's tables, the loads with their sizes, and the versions, as titled lists of terms."""
     tables = context.tables
     stands = [(f"Structure {table.get('name', k + 1)}", terms(table)) for k, table in enumerate(tables.get("structures", []))]
     boxes = stands + [(title, terms(tables[key])) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
@@ -231,12 +231,12 @@ def settings(context: PageContext) -> list[tuple[str, list[tuple[str, str]]]]:
 
 
 def terms(table: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Keys of a table and their values, as one reads them."""
+    """Keys of a table and their values, as text."""
     return [(key.replace("_", " "), _plain(value)) for key, value in table.items()]
 
 
 def _plain(value: Any) -> str:
-    """A value of TOML as one reads it."""
+    """A value of TOML as text."""
     if isinstance(value, Mapping):
         return ", ".join(f"{key}: {_plain(item)}" for key, item in value.items())
     if isinstance(value, list):

@@ -217,7 +217,7 @@ def _tiles(sheet: RiskSheet) -> list[tuple[str, object, str]]:
 
 
 def _mechanisms(found: Mapping[str, Any]) -> list[list[str | Badge]]:
-    """The gravest mechanisms of an analysis, one for each part and push."""
+    """The governing mechanisms of an analysis, one for each part and push."""
     first: dict[tuple[str, str], Mapping[str, Any]] = {}
     for row in found["mechanisms"]:
         first.setdefault((row["element"], row["push"]), row)

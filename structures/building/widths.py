@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How wide plane polygons are: their narrow tails, and convex pieces that are as wide as can be."""
+"""Widths of plane polygons: their narrow tails, and convex pieces as wide as possible."""
 
 from __future__ import annotations
 

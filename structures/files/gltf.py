@@ -2,7 +2,7 @@
 """Blocks of a glTF or GLB, in a child process (:mod:`structures.files.foreign`): the meshes of the nodes of its scene, by their names.
 
 It is in metres with y up, by which the caller turns it. What bends a mesh or places it otherwise than by nodes, skins, morph targets and
-instances, is refused, as is every extension that a file requires and that could change shapes. Libraries pass these by in silence, and
+instances, is refused, as is every extension that a file requires and that could change shapes. Libraries pass these by silently, and
 read strips wrongly (trimesh 4). Source: glTF 2.0, Khronos.
 """
 

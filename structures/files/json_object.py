@@ -38,7 +38,7 @@ def load(path: Path, key: str) -> dict[str, Any]:
 
 
 def _once(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
-    """The object of pairs (key, value): json would take the last of two values in silence."""
+    """The object of pairs (key, value): json would take the last of two values silently."""
     made = dict(pairs)
     if len(made) < len(pairs):
         keys = [key for key, _ in pairs]

@@ -60,7 +60,7 @@ def read_stl(path: Path) -> FileContents:
 
 
 def _triangles_of(path: Path) -> float:
-    """How many triangles an STL speaks of: by the count of a binary one, by the vertices of a text, each a third.
+    """The number of triangles that an STL announces: by the count of a binary one, by the vertices of a text, each a third.
 
     Raises:
         Refused: a binary file of another length than its count needs.
@@ -175,7 +175,7 @@ def read_vtp(path: Path) -> FileContents:
 
 
 def _bare(path: Path, where: str, data: Any) -> list[str]:
-    """A line on points and lines of a surface, which are no faces."""
+    """A line on points and lines of a surface, which are not faces."""
     count = int(data.n_verts + data.n_lines)
     return [f"{path.name}: {where}{count} cells of points and lines not read"] if count else []
 

@@ -2,7 +2,7 @@
 """Surfaces of other programs: OFF and PLY. Each runs in a child, see :mod:`structures.files.foreign`.
 
 Both are soups of polygons: a block is a closed shell of them, whether or not shells share corners (:mod:`structures.files.shells`).
-Libraries read both, but lose faces of a text that is cut short in silence (trimesh 4), or end at an element of edges (meshio 5).
+Libraries read both, but lose faces of a text that is cut short silently (trimesh 4), or end at an element of edges (meshio 5).
 Sources: OFF, Geomview manual; PLY, Turk 1994.
 """
 

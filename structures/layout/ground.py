@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A ground for what has none of its own: a fixed slab under the whole structure, on which what falls comes to lie.
+"""A ground for structures without one: a fixed slab under the whole structure, on which fallen blocks land.
 
 Walls, towers and churches stand on one. Plain abutments of arches and vaults, and the piers of a cross vault, have nothing between them:
 they get one unless the scene says ``ground = false``. Blocks of a file get one only where the scene asks for it.

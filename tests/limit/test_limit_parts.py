@@ -37,7 +37,7 @@ def parts_of(path: Path) -> LimitCase:
 
 
 def least_rows(case: LimitCase) -> list[dict[str, Any]]:
-    """The gravest mechanism of each part and push."""
+    """The governing mechanism of each part and push."""
     return [each.row for each in least_of(case.mechanisms)]
 
 
@@ -131,7 +131,7 @@ def test_a_mechanism_above_the_ground_is_not_satisfied_by_the_motion_of_the_grou
 
 
 def test_a_part_that_does_not_stand_is_not_held_and_nothing_is_satisfied_with_it(tmp_path: Path) -> None:
-    """An arm whose centre of mass is beyond its foot falls with all else held; the slab alone is satisfied."""
+    """An arm whose centre of mass is beyond its foot falls with all other blocks held; the slab alone is satisfied."""
     arm = [box("foot", (3.0, -0.5, 0.0), (3.5, 0.5, 1.0)), box("arm", (3.0, -0.5, 1.0), (6.0, 0.5, 1.3))]
     check = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / 1.5}\ndisplacements = false\n'
     table = SLAB.replace('"slab"', '"foot", "arm"')

@@ -91,7 +91,7 @@ def shown(value: float) -> str:
 
 @dataclass(frozen=True)
 class CodeCheck:
-    """A check by a code."""
+    """A code check."""
 
     code: str
     edition: str

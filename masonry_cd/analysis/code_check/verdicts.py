@@ -178,7 +178,7 @@ def refused(reason: str, search: SearchNumbers | None = None) -> CheckVerdict:
 
 
 def how_grave(one: CheckResult) -> tuple[int, float]:
-    """The order of checks, the gravest first: by their state, then by how far the demand is met."""
+    """The order of checks, the governing one first: by their state, then by how far the demand is met."""
     return WORST_FIRST.index(one.state), one.met
 
 

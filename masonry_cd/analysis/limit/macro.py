@@ -37,7 +37,7 @@ class Effort:
     starts: int  # of the free search within a part, in addition to those at the mechanisms of practice
     most_points: int  # contact points of a part up to which it is made
     seed: int = 0
-    displacements: bool = False  # follow the gravest mechanisms of each part and push until its factor vanishes
+    displacements: bool = False  # follow the governing mechanisms of each part and push until its factor vanishes
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ def analyse_element(whole: Whole, element: MacroElement, direction: Sequence[flo
         more, least = _free(part, found, effort)
         found += more
     except Unbounded as failure:
-        remarks.append(f"{FREE}: no answer, the part may not stand with all else held: {failure}")
+        remarks.append(f"{FREE}: no answer, the part may not stand with all other blocks held: {failure}")
     found.sort(key=lambda one: one.oscillator.acceleration())
 
     def follow(_: int, one: FoundMechanism) -> Oscillator:

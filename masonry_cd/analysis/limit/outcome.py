@@ -14,7 +14,7 @@ from masonry_cd.analysis.limit.solution import AGREE, LeastFound, agreement
 from masonry_cd.analysis.verdict import DOUBTFUL, GOOD, LOOK, RANKS, Verdict
 from masonry_cd.foundation.quantities import force
 
-STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a check by a code are coloured
+STATES_OF_CHECKS = {"satisfied": GOOD, "not decided": LOOK, "NOT satisfied": DOUBTFUL}  # how the results of a code check are coloured
 SURE = {"certain": GOOD, "by search": GOOD, "doubtful": LOOK}  # how sure they are, which is another thing
 CLOSED = 1e-4  # gap of the certificate up to which the factor counts as known
 APART = 1e-2  # share of the factor by which the least and the associated one may differ and say the same
@@ -45,14 +45,14 @@ class SearchNumbers:
 
 
 def on_the_check(found: Mapping[str, Any] | None) -> Verdict | None:
-    """The verdict of a check by a code; None where none was requested."""
+    """The verdict of a code check; None where none was requested."""
     if found is None:
         return None
     return Verdict(found["state"], "", found["reason"], SURE[found["confidence"]], found["confidence"], found["because"])
 
 
 def on_the_whole(facts: Mapping[str, Any]) -> Verdict | None:
-    """The verdict on an analysis: of its check by a code where it has one, else of its load factor; None of parts without a check.
+    """The verdict on an analysis: of its code check where it has one, else of its load factor; None of parts without a check.
 
     Args:
         facts: as in limit.json.

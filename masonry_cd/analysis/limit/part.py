@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-r"""A part of a structure with all else held: the limit analysis of a macro-element.
+r"""A part of a structure with all other blocks held: the limit analysis of a macro-element.
 
 Free are the blocks of the part and those that rest on them alone; all others are held. Three kinds of contacts join the two:
 

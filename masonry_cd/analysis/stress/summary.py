@@ -46,7 +46,7 @@ def stress_summary(results: Results, peaks: StressPeaks) -> StressSummary | None
 
 
 def _against_strength(results: Results, peaks: StressPeaks) -> Strength:
-    """Return the stresses above their strengths, the gravest first."""
+    """Return the stresses above their strengths, the governing one first."""
     names = [block.name for block in results.blocks]
     above, cut = np.flatnonzero(peaks.block_ratio > 1.0), np.flatnonzero(peaks.joint_ratio > 1.0)
     above, cut = above[np.argsort(-peaks.block_ratio[above], kind="stable")], cut[np.argsort(-peaks.crushed_share[cut], kind="stable")]

@@ -39,7 +39,7 @@ def build(
 
     Args:
         scene: whose tables are checked.
-        folder: for the files, made if need be.
+        folder: for the files, created if missing.
         formats: of blocks.
         picture: draw structure.png, or problem.png of blocks that are refused, and the plan of a building.
         force: overwrite the files that are there.

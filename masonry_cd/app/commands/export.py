@@ -51,7 +51,7 @@ def deck(scene: Scene, form: str, folder: Path, force: bool = False) -> Result[N
     Args:
         scene: whose tables are checked.
         form: lmgc90 or 3dec.
-        folder: for the files, made if need be.
+        folder: for the files, created if missing.
         force: overwrite the files that are there.
 
     Raises:

@@ -127,7 +127,7 @@ def modal(
     Args:
         source: a scene, or blocks.
         options: keys of :class:`ModalOptions`.
-        folder: where files are written, made if need be; nothing is written without one.
+        folder: where files are written, created if missing; nothing is written without one.
         force: overwrite the files that are there.
         title: of blocks, which have none of a scene.
 
@@ -341,7 +341,7 @@ def _write(
     asked: ModalOptions,
     ambient: Ambient | None,
 ) -> list[Path]:
-    """Write modal.json, the tables and the pictures into a folder, which is made if need be.
+    """Write modal.json, the tables and the pictures into a folder, which is created if missing.
 
     Raises:
         InputError: no off-screen OpenGL for the pictures; the tables are written by then.

@@ -47,7 +47,7 @@ def run(scene: Scene, folder: Path, asked: RunRequest | None = None, say: Say = 
 
 
 def computed(case: Case, folder: Path, asked: RunRequest, say: Say = silent) -> Result[Summary | None]:
-    """Compute a case that is prepared, and write everything into a folder, which is made if need be.
+    """Compute a case that is prepared, and write everything into a folder, which is created if missing.
 
     Args:
         case: from :func:`masonry_cd.app.case.prepare`.

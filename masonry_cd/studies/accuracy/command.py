@@ -61,7 +61,7 @@ class AccuracyRequest:
 
 
 def accuracy(source: Path, folder: Path, asked: AccuracyRequest, say: Say) -> Result[Measurement | None]:
-    """Measure a problem file or a scene, and write the outputs into a folder, which is made if need be.
+    """Measure a problem file or a scene, and write the outputs into a folder, which is created if missing.
 
     Args:
         source: .npz or FCLIB HDF5, or a scene (TOML).

@@ -40,7 +40,7 @@ def select(selection: Selection, folder: Path | None, force: bool = False, say: 
 
     Args:
         selection: whose tables are checked.
-        folder: made if need be; nothing is written where there is none.
+        folder: created if missing; nothing is written where there is none.
         force: overwrite the files that are there.
         say: called with lines while records are read.
 

@@ -44,7 +44,7 @@ class StudyFolder:
     """A study's folder.
 
     Args:
-        path: made if need be, once something is written.
+        path: created if missing, once something is written.
     """
 
     def __init__(self, path: Path) -> None:

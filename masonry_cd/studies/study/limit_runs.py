@@ -2,7 +2,7 @@
 """Limit analyses instead of runs: a study with ``asks = "limit"`` has a table of factors and verdicts over what varies.
 
 limits.csv has a row for each: what varied, whether the structure stands, the associated factor, the least found with its starts, their
-agreement and spread, and of a check by a code the one verdict with demand, capacity and ratio.
+agreement and spread, and of a code check the one verdict with demand, capacity and ratio.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ X = (1.0, 0.0, 0.0)
 
 
 def test_stones_that_rest_on_a_part_are_taken_along() -> None:
-    """A facade that overturns lifts the stones of the cross wall that lie on it, which are held while it is looked at by itself."""
+    """A facade that overturns lifts the stones of the cross wall that lie on it, which are held while it is analysed by itself."""
     whole = whole_of(toothed())
     facade = element(whole, "facade")
     one = next(one for one in analyse_element(whole, facade, X, EFFORT).mechanisms if one.moving > 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a structure with all else held: interlock by the clause, rigid bodies by hand, the free least mechanism below them."""
+"""Parts of a structure with all other blocks held: interlock by the clause, rigid bodies by hand, the free least mechanism below them."""
 
 from __future__ import annotations
 
