@@ -34,7 +34,7 @@ KINDS: list[dict[str, Any]] = [
 @pytest.mark.parametrize("table", KINDS, ids=lambda table: "-".join(map(str, table.values())))
 def test_estimates_are_near_the_blocks_that_are_built(table: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     estimates: list[float] = []
-    monkeypatch.setattr(size, "within", lambda estimate, key: estimates.append(estimate))
+    monkeypatch.setattr(size, "check_size", lambda estimate, key: estimates.append(estimate))
     count = len(structures.build(table, 2000.0, Path()))
     assert 0.5 * count < estimates[0] < 2.0 * count
 
