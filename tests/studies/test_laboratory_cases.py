@@ -136,6 +136,29 @@ def test_a_case_of_the_laboratory(name: str, share: float, tmp_path: Path) -> No
         assert sample["probability"] > 0.05, sample
 
 
+def test_the_crack_maps_of_rubble_lie_on_their_walls() -> None:
+    maps = granite_walls.crack_maps()
+    assert len(maps) == 3
+    for lines in maps:
+        points = np.array([point for line in lines for point in line])
+        assert (points >= 0.0).all()
+        assert (points <= [1.0, granite_walls.HEIGHT]).all()
+        length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+        assert 2.5 < length < 6.0
+        assert min(map(len, lines)) > 1
+
+
+@pytest.mark.slow(reason="a limit analysis of 58 blocks that crush")
+def test_joints_crush_where_a_wall_has_a_strength_and_limit_analysis_bears_a_block_of_it(tmp_path: Path) -> None:
+    """N (L - N / (t f)) / (2 H), with the weight of wall and beam in N at the toe: joints above it are pressed less."""
+    kind = granite_walls.RUBBLE
+    wall = kind.wall(kind.strength)
+    weight = 9.81 * wall.thick * wall.length * (wall.density * granite_walls.HEIGHT + 2500.0 * wall.depth)
+    force = 1.25e6 * wall.thick * wall.length + weight
+    closed = force * (wall.length - force / (wall.thick * 1e6 * kind.strength)) / (2.0 * granite_walls.LEVER)
+    assert wall.limit_force(tmp_path, "rubble", 1.25, 1e9 * 2.5) == pytest.approx(closed, rel=0.02)
+
+
 def test_an_open_bed_of_springs_bears_less_than_an_edge() -> None:
     """The share follows by its maximum over theta, for the block that pulses overturn."""
     width, height, stiffness = overturning.WIDTH, overturning.HEIGHT, overturning.LAW["normal_stiffness"]
