@@ -199,8 +199,9 @@ CRACKED = LaboratoryCase(
     "tensile strength; 2.8 MPa stands for granite",
     "the tensile strength of the stone, which the database does not give (fresh granite has 4.1 to 6.9 MPa); the bond of the rubble and "
     "the strength of its mortar",
-    "Stones are not what the model lacks: the compressive strength of the masonry is, by which [joints that crush](#granite-walls-in- "
-    "lime-mortar-pushed-to-and-fro) have this peak. At the strength of granite 22 of 58 crack, but past the peak: the wall bears as "
+    "Stones are not what the model lacks: the compressive strength of the masonry is, by which [joints that "
+    "crush](#granite-walls-in-lime-mortar-pushed-to-and-fro) have this peak. At the "
+    "strength of granite 22 of 58 crack, but past the peak: the wall bears as "
     "much, and then loses a fifth of it at a drift of 1 %. The measured peak would take stones of between 0.5 and 1.5 MPa, less than "
     "granite has. Two thirds of the cracks drawn on three walls have a computed one within a course, of the push or of its mirror "
     "image. The maps cover the walls, so this says little: of cracks in all joints 0.7 would be drawn, where 0.76 are.",
