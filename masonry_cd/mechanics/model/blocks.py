@@ -59,7 +59,7 @@ class Block:
         structure: the one that it belongs to where a scene has several, else empty.
         radius: of a sphere [m], whose vertices and faces are then the facetted ball by which it is drawn (:meth:`sphere` makes one); 0 of
             a polyhedron.
-        carried: what moves with it besides; None: nothing.
+        carried: a mass that moves with it; None: nothing.
         stone: the name of the stone that it is a piece of; empty of a block that is whole.
     """
 
