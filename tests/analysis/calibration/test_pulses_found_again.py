@@ -26,9 +26,10 @@ def observed(z: np.ndarray, draw: np.random.Generator) -> list[Observation]:
     """The traces of a pulse (3,), with errors."""
     fell, down, *slips = left(z[None])[0]
     seen = [bool(value) != bool(draw.random() < WRONG) for value in (fell, down)]
-    out = [Observation(what="fallen", name=str(k), blocks=["a"], value=value, error=WRONG) for k, value in enumerate(seen)]
+    tables = [{"what": "fallen", "name": str(k), "blocks": ["a"], "value": value, "error": WRONG} for k, value in enumerate(seen)]
     made = [float(value + ERROR * draw.standard_normal()) for value in slips]
-    return out + [Observation(what="gauge", gauge=str(k), column="ux", value=value, error=ERROR) for k, value in enumerate(made)]
+    tables += [{"what": "gauge", "gauge": str(k), "column": "ux", "value": value, "error": ERROR} for k, value in enumerate(made)]
+    return [Observation.model_validate(table) for table in tables]
 
 
 def calibrated(of: list[Observation], seed: int) -> tuple[np.ndarray, np.ndarray, int]:
