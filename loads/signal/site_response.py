@@ -61,7 +61,7 @@ class SoilLayer(BaseModel):
 
     model_config = strict
 
-    thickness: Annotated[Positive, Unit("m")]
+    thickness: Annotated[Positive, Unit("m"), Usual(0.2, 500.0, "layers are 1 to 100 m thick", ("mm", "cm"))]
     """Thickness of the layer."""
     shear_velocity: Velocity
     """Velocity of shear waves at small strain."""

@@ -107,7 +107,7 @@ def word_of(word: Any) -> str:
         TypeError: it is none.
     """
     if not isinstance(word, str):
-        raise TypeError("a word is not a string")
+        raise TypeError(f"a word is {word!r}, not a string")
     return _utf8(word).decode()
 
 

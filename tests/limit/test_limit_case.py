@@ -192,7 +192,7 @@ def test_what_falls_by_itself_is_named(tmp_path):
 def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
     done = masonry_cd("limit", scene(tmp_path, pillar(), PUSH), "-o", tmp_path / "out", "--view", "below")
     assert done.exit_code == 2
-    assert 'view: "below" is none' in done.output
+    assert 'view: "below" is not a view' in done.output
     assert not (tmp_path / "out").exists()
 
 

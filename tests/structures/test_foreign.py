@@ -349,7 +349,7 @@ def forged(path: Path, text: str) -> None:
         ([[[*SOUND[:3], [[0, 1, 0.9]], *SOUND[4:]]], [], []], "integer"),
         ([[[*SOUND[:3], 5, *SOUND[4:]]], [], []], "iterable"),
         ([[[math.inf, *SOUND[1:]]], [], []], "infinity"),
-        ([[[0, None, *SOUND[2:]]], [], []], "no text"),
+        ([[[0, None, *SOUND[2:]]], [], []], "not a string"),
         ([[SOUND], [None], []], "NoneType"),
         ([[SOUND], [], [1]], "encode"),
         ([[SOUND], []], "unpack"),

@@ -25,7 +25,7 @@ from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.fill import CoveredFaces
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.state import State
-from reports.drawing.solids import fill_layer, structure_scene, tops_of
+from reports.drawing.solids import fill_layer, structure_scene
 from reports.maps.crack_map import MapSubject, crack_scene
 from reports.maps.framing import MapStyle, framing
 from structures import MadeStructure
@@ -180,7 +180,7 @@ def test_fill_rides_on_the_blocks_below_it_as_one_body_with_them() -> None:
 def test_pictures_show_all_of_the_fill(walls: dict | None) -> None:
     bridge = made(SPAN, width=2.0, cover=0.3, skew=15.0, walls=walls)
     fill = CoveredFaces.of(bridge.fills, [block.name for block in bridge.blocks])
-    layer = fill_layer(fill, fill.corners, tops_of(fill), len(bridge.blocks))
+    layer = fill_layer(fill, lambda points, block: points, len(bridge.blocks))
     volume = 0.0  # by the divergence theorem, as a sum of tetrahedra
     for first, end in pairwise(layer.loop_start.tolist()):
         a, *rest = layer.points[layer.loops[first:end]]
