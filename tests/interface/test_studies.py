@@ -55,7 +55,7 @@ def made(tmp_path: Path) -> mc.Study:
 def test_the_rows_are_those_of_the_command_line_which_continues_the_folder(folder: Path) -> None:
     before = rows_without_seconds(folder / "out")
     assert len(before) == 7
-    assert "6 runs, 0 of them to be made" in done("study", folder / "study.toml", "-o", folder / "out", "--resume", "--workers", "1").output
+    assert "6 runs, 0 still to run" in done("study", folder / "study.toml", "-o", folder / "out", "--resume", "--workers", "1").output
     assert rows_without_seconds(folder / "out") == before
     assert {"study.html", "summary.json", "study.toml"} <= {path.name for path in (folder / "out").iterdir()}
 
@@ -85,7 +85,7 @@ def test_arrays_become_files_with_which_the_command_line_goes_on(tmp_path: Path,
     assert kept.scene.tables["structure"]["path"] == str(tmp_path / "out" / "blocks.json")
     assert kept.joints.shape[0] == 1
     monkeypatch.chdir(tmp_path)
-    assert "2 runs, 0 of them to be made" in done("study", "out/study.toml", "-o", "out", "--workers", "1").output
+    assert "2 runs, 0 still to run" in done("study", "out/study.toml", "-o", "out", "--workers", "1").output
 
 
 @pytest.mark.slow(reason="starts workers twice")

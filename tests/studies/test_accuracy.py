@@ -244,7 +244,7 @@ def test_a_row_per_setting_and_one_per_run_which_are_kept(tmp_path: Path):
     found = json.loads((out / "accuracy.json").read_text(encoding="utf-8"))
     assert found["lines"][-1].startswith("good enough: ") and found["lines"][-1] in done.output
     assert (out / "accuracy.png").read_bytes().startswith(b"\x89PNG")
-    assert "10 runs, 2 of them to be made" in measured(5).stderr
+    assert "10 runs, 2 still to run" in measured(5).stderr
     assert {name: row_names(out)[name] for name in kept} == kept
     assert [row for row in table("members.csv") if row["member"] != "4"] == whole
     other = measured(5, "--set", "material.friction=0.7")

@@ -361,7 +361,7 @@ def test_a_scene_of_limit_analysis_has_its_factor_assessed_and_goes_on(tmp_path:
     assert {one["status"] for one in facts["members"]} == {"done"}
     assert {"assess.png", "assess.html", "assess.csv"} <= {file.name for file in (tmp_path / "out").iterdir()}
     again = command(tmp_path, WALL | STATIC, "--workers", "1")
-    assert "3 runs, 0 of them to be made" in again.stderr
+    assert "3 runs, 0 still to run" in again.stderr
     other = command(tmp_path, WALL | STATIC | {"material": {"density": 2000.0, "friction": 0.6}})
     assert other.exit_code == 2
     assert "holds another study" in other.stderr

@@ -135,6 +135,6 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
     assert 2 <= len(before) < 18
     with studied.undrawn():
         result = done("study", path, "-o", tmp_path / "out", "--workers", "1")
-    assert f"18 runs, {18 - len(before)} of them to be made" in result.stderr
+    assert f"18 runs, {18 - len(before)} still to run" in result.stderr
     assert {name: studied.row_names(tmp_path / "out")[name] for name in before} == before
     assert len(rows_without_seconds(tmp_path / "out")) == 19

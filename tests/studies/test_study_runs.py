@@ -129,7 +129,7 @@ def test_more_values_make_their_own_runs_only(study: Path, scheduler: str, tmp_p
     before = row_names(tmp_path / "out")
     write_study(tmp_path)
     result = invoke(small, "--scheduler", scheduler)
-    assert "6 runs, 4 of them to be made" in result.stderr
+    assert "6 runs, 4 still to run" in result.stderr
     assert {name: row_names(tmp_path / "out")[name] for name in before} == before
     assert rows_without_seconds(tmp_path / "out") == rows_without_seconds(study)
     assert (tmp_path / "out" / "reference" / "run.txt").read_bytes() == (study / "reference" / "run.txt").read_bytes()
@@ -168,7 +168,7 @@ def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Pat
     assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(rows)
     table = rows_without_seconds(tmp_path / "out")
     again = invoke(path)
-    assert f"{len(rows)} runs so far, 0 of them to be made" in again.stderr
+    assert f"{len(rows)} runs so far, 0 still to run" in again.stderr
     assert rows_without_seconds(tmp_path / "out") == table
 
 
@@ -182,10 +182,10 @@ def test_adaptive_stripes_make_some_of_the_runs_and_stripes_make_the_others(sche
     chosen = rows_without_seconds(tmp_path / "out")
     assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(chosen) - 1 == 6
     again = invoke(path)
-    assert "6 runs so far, 0 of them to be made" in again.stderr
+    assert "6 runs so far, 0 still to run" in again.stderr
     write_study(tmp_path, studied.RECORDS)
     result = invoke(path, "--scheduler", scheduler)
-    assert "9 runs, 3 of them to be made" in result.stderr
+    assert "9 runs, 3 still to run" in result.stderr
     write_study(tmp_path, studied.RECORDS + '[adaptive]\nlimit_state = "slid"\nruns = 6\nbatch = 3\n')
     assert invoke(path).exit_code == 0  # of runs that are there
     assert rows_without_seconds(tmp_path / "out") == chosen
@@ -208,7 +208,7 @@ def test_a_program_that_is_killed_goes_on(long: Path, scheduler: str) -> None:
     torn = long.parent / "out" / "rows" / f"{min(before)}.part.json"  # as a kill leaves it that comes while a row is written
     torn.write_bytes((long.parent / "out" / "rows" / f"{min(before)}.json").read_bytes())
     result = invoke(long, "--scheduler", scheduler, "--resume")
-    assert f"18 runs, {18 - len(before)} of them to be made" in result.stderr
+    assert f"18 runs, {18 - len(before)} still to run" in result.stderr
     assert "18 of 18 runs done" in result.stdout
     assert {name: row_names(long.parent / "out")[name] for name in before} == before
     assert not list((long.parent / "out").rglob("*.part*"))

@@ -93,7 +93,7 @@ def warnings_of(found: Assessment) -> list[str]:
         return []
     out = [f"{place_of(one)}: no result: {_why(one)}" for one in found.members if one.row.status and not one.row.done]
     waiting = sum(not one.row.status for one in found.members)
-    out += [f"{waiting} of {len(found.members)} runs are still to be made"] if waiting else []
+    out += [f"{waiting} of {len(found.members)} runs have not been made"] if waiting else []
     lost = [one for one in found.sampled if not one.row.done]
     out += [f"{len(lost)} of {len(found.sampled)} runs with all varied together have no result: {_why(lost[0])}"] if lost else []
     out += [f"{place_of(one)}: no load factor: {one.row.limit_reason}" for one in found.members if one.row.done and one.row.limit_reason]

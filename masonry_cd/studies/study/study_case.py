@@ -180,7 +180,7 @@ class _Making:
         """Make the missing runs and write what they say."""
         missing, known = self._missing()
         more = " so far" if self.plan.adapts else ""
-        self.say(f"{self.plan.maker.study.title}: {len(known)} runs{more}, {len(missing)} of them to be made")
+        self.say(f"{self.plan.maker.study.title}: {len(known)} runs{more}, {len(missing)} still to run")
         if missing:
             self.folder.forget_hangs(missing)
             try:
