@@ -15,7 +15,12 @@ from scipy.optimize import brentq
 
 from masonry_cd.analysis.damage.stones import cracked
 from masonry_cd.analysis.pushover import require_pushes
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import RESULTS, run_case
+from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.stones import Stones
@@ -150,6 +155,18 @@ def test_limit_analysis_has_the_plane_as_plastic_bond(tmp_path: Path) -> None:
 
 
 FOOT = 0.05  # of a flat arch on its seats [m]
+
+
+@pytest.mark.parametrize("planes", ["mid", "cross"])
+def test_a_dry_wall_of_stiff_stones_comes_to_rest_although_its_weight_shortens_them_by_nanometres(tmp_path: Path, planes: str) -> None:
+    scene = {
+        "structure": {"kind": "wall", "length": 2.0, "height": 2.0},
+        "material": {"density": 2200.0, "friction": 0.6, "stones": {"kind": "granite", "planes": planes}},
+        "run": {"dt": 4e-3, "duration": 0.02},
+    }
+    run_case(prepare(parse_scene(dump_toml(scene), tmp_path / "wall.toml")), tmp_path / "out")
+    with Results.open(tmp_path / "out" / RESULTS) as results:
+        assert np.ptp(results.position[:], axis=0).max() < 1e-8
 
 
 def spread(folder: Path, by: float, strength: float) -> tuple[np.ndarray, np.ndarray]:
