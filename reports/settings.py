@@ -56,9 +56,9 @@ class Report(Table):
     project: Words | None = None
     """Project in the title block of the page and its PDF."""
     client: Words | None = None
-    """For whom the report is; of the title block."""
+    """Client of the report; in the title block."""
     author: Words | None = None
-    """Who answers for it; of the title block."""
+    """Person responsible for the report; in the title block."""
     date: Words | None = None
     """Date of the report, as it is to be printed; the day on which the page is written when not given."""
     crack_map: Flag = False

@@ -58,17 +58,17 @@ class AnchorTable(Table):
     diameter: Annotated[Length, DIAMETER] = 0.016
     """of their rods"""
     length: Length = 1.0
-    """by which they reach into the floor"""
+    """length by which they reach into the floor"""
     plate: Length | None = None
     """side of their square plates on the outer face of the wall"""
     modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] = Field(MODULI["steel"], gt=0.0)
     """Young's modulus"""
     yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
-    """at which one yields or pulls out; by default never"""
+    """force at which an anchor yields or pulls out; by default none"""
     damping: float = Field(0.02, ge=0.0, lt=1.0)
     """share of the critical damping"""
     walls: tuple[str, ...] | None = Field(None, strict=False, min_length=1)
-    """that it is tied to; on the others it rests; by default all in which it has seats"""
+    """walls that it is tied to; on the others it rests; by default all in which it has seats"""
 
 
 class SlabTable(Table):
@@ -86,7 +86,7 @@ class SlabTable(Table):
     gap: Height = 0.01
     """to walls that are not named"""
     anchors: AnchorTable | None = None
-    """which tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
+    """anchors that tie it to the walls, { spacing = 1.5, diameter = 0.016 }"""
 
 
 class FloorTable(SlabTable):

@@ -24,9 +24,9 @@ class CommonTable(Table):
     """The keys that every kind of structure takes in addition to its own."""
 
     most_blocks: int = Field(MOST, ge=1)
-    """how many blocks a structure may have; a slip in its measures is refused before it is built"""
+    """largest number of blocks of a structure: an error in its dimensions is refused before it is built"""
     foundations: Literal["whole", "corners", "parts"] | FoundationsTable = "whole"
-    """in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"""
+    """foundations in pieces that may settle separately: corners, parts, or strips { x = 4 }"""
     ground: bool | Annotated[float, HEIGHT] | None = None
     """a fixed slab under a structure, for what falls: true, false, or the height of its top; by default under supports with nothing
     between them, but not for kind file"""

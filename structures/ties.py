@@ -69,7 +69,7 @@ class LineTable(Table):
     plate: Length | None = None
     """side of its square anchor plates, which spread the pull over blocks"""
     material: Literal["steel", "timber"] = "steel"
-    """which sets the modulus"""
+    """material, which sets the modulus"""
     modulus: Annotated[float, Unit("Pa"), TIE_MODULUS] | None = Field(None, gt=0.0)
     """Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"""
     name: str | None = Field(None, max_length=80)
@@ -92,7 +92,7 @@ class TieRowTable(LineTable):
     section: tuple[Annotated[Length, SIDE], Annotated[Length, SIDE]] | None = Field(None, strict=False)
     """width and depth of its section, instead of a diameter"""
     yield_force: Annotated[float, Unit("N"), YIELDING] | None = Field(None, gt=0.0)
-    """at which it yields, or its anchorage does; by default never"""
+    """force at which it or its anchorage yields; by default none"""
     tension: Annotated[float, Unit("N"), TENSION] = Field(0.0, ge=0.0)
     """at the start"""
     damping: float = Field(0.02, ge=0.0, lt=1.0)

@@ -97,11 +97,11 @@ class VehicleTable(LoadTable):
     position: Annotated[float, Unit("m")] | None = None
     """Position of the first axle along the road at the start; of a crossing before the bridge when not given."""
     speed: Annotated[float, Unit("m/s"), CROSSING, Field(ge=0.0)] = 0.0
-    """Towards greater x; 0: it stands."""
+    """Speed towards greater x; 0: it stands."""
     start: Instant = 0.0
-    """When it is there, or sets off."""
+    """Time at which it is in place, or sets off."""
     ramp: Instant = 0.0
-    """Time in which one that stands is put on."""
+    """Time over which a standing vehicle is applied."""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

@@ -121,10 +121,10 @@ class LimitTable(Table):
     """Starts of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves
     some ten cone programmes, 2 to 4, until two agree, with a check of up to 15,000 contact points and none else."""
     positions: Annotated[Count, Field(ge=3, le=2000)] | None = None
-    """At which the worst place of a live vehicle without a position is looked for, before those around it; 60 in a plane, 16 in space when
+    """Positions tried first for the worst place of a live vehicle without a position; 60 in a plane, 16 in space when
     not given."""
     begin: Annotated[str, Field(min_length=1)] | None = Field(None, alias="from")
-    """Folder of a run of these blocks, from that of the scene on: the analysis is of where it left them."""
+    """Folder of a run of these blocks, relative to the scene: the analysis begins where it left them."""
     time: Annotated[float, Unit("s"), Field(ge=0.0)] | None = None
     """Time of that run, the end when not given."""
     check: CheckTable | None = None

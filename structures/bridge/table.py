@@ -94,7 +94,7 @@ class FillTable(Table):
     friction_angle: Annotated[Angle, Usual(10.0, 60.0, "fill has 20 to 50 degrees", ("rad",))] = Field(30.0, ge=0.0, lt=60.0)
     """of the fill"""
     spread: Literal["2:1", "boussinesq"] = "boussinesq"
-    """of wheels through the fill: 2:1, one across for two down; or of Boussinesq's line load within 30 degrees"""
+    """spread of wheel loads through the fill: 2:1 (one across for two down), or Boussinesq's line load within 30 degrees"""
     pressure: Literal["at_rest", "active", "none"] = "at_rest"
     """pressure on spandrel walls, wing walls and the backs of abutments of blocks before they move: K_0 = 1 - sin phi, or Rankine's K_a"""
     active_at: float = Field(ACTIVE_AT, ge=1e-4, le=0.1)

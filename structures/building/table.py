@@ -147,7 +147,7 @@ class BuildingRoofTable(Table):
     mass: ArealMass
     """over its plan"""
     spacing: Length = 1.5
-    """of the pairs of rafters, each of which carries so much of the roof"""
+    """spacing of the pairs of rafters, each of which carries this width of the roof"""
     bearing: Length | None = None
     """of the feet on the walls, from their inner faces; by default half the wall"""
     tied: bool = False
@@ -199,7 +199,7 @@ class ArcadeTable(Table):
     ring: Length | None = None
     """thickness of the voussoirs"""
     ends: tuple[Point, ...] | None = Field(None, strict=False, max_length=2)
-    """points on walls to which it goes on from its first and its last column"""
+    """points on walls to which it extends from its first and last columns"""
     group: Name | None = None
     """by default its name"""
 

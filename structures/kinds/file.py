@@ -38,7 +38,7 @@ class FileTable(Table):
     path: str
     """of the file of blocks, or of a folder of meshes, relative to the scene file"""
     units: Literal["m", "cm", "mm"] | None = None
-    """of a mesh that does not say it, such as OBJ, STL or VTU"""
+    """unit of a mesh that does not state it, such as OBJ, STL or VTU"""
     up: Literal["y", "z"] | None = None
     """which axis of such a file points upwards"""
     fixed: Rules = ()

@@ -57,7 +57,7 @@ class SolidTable(Table):
     path: str
     """of the solid, relative to the scene file"""
     units: Literal["m", "cm", "mm"] | None = None
-    """of a .geo or .brep file, which does not say"""
+    """unit of a .geo or .brep file, which does not state it"""
     up: Literal["y", "z"] = "z"
     """which axis of the file points upwards"""
     course_height: WallHeight

@@ -62,7 +62,7 @@ class PlanKeys(Table):
     """The keys by which a drawing is read."""
 
     units: Literal["m", "cm", "mm", "in", "ft"] | None = None
-    """of a drawing that does not say it, or says it wrongly"""
+    """unit of a drawing that does not state it, or states it wrongly"""
     layers: LayersTable = Field(default_factory=lambda: LayersTable.model_validate({}))
     """role of each layer of a drawing"""
     wall_height: WallHeight | None = None
@@ -70,7 +70,7 @@ class PlanKeys(Table):
     wall_thickness: Thickness | None = None
     """of walls of which only the middle line is drawn, where no mark says it"""
     thickest: Length = 2.5
-    """two faces further apart than this are no wall"""
+    """two faces further apart than this are not the faces of one wall"""
 
 
 class StoreyTable(Table):

@@ -52,7 +52,7 @@ class Run(Table):
     until_still: Flag | None = None
     """Go on after the duration, with the base at rest, until all standing blocks are still; true by default where damage is graded."""
     longest: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
-    """When such a run ends in any case; twice the duration plus 5 s when not given."""
+    """Time at which such a run ends in any case; twice the duration plus 5 s when not given."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
     """Parameter of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
     solver: SolverName = "auto"

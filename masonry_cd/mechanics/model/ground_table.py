@@ -87,7 +87,7 @@ class GroundTable(Table):
     embedment: Annotated[Least, Unit("m")] = 0.0
     """Depth down to which soil holds the sides of a footing."""
     frequency: Annotated[Above, Unit("Hz")] | None = None
-    """At which stiffness and dashpots of the soil are taken; else static stiffness, and no radiation of turns."""
+    """Frequency for the stiffness and dashpots of the soil; else static stiffness, and no radiation from rotations."""
     material_damping: Annotated[Number, Field(ge=0.0, lt=1.0)] = 0.0
     """Damping of the soil itself, as a share of critical at the frequency."""
     length: Metres | None = None
@@ -98,7 +98,7 @@ class GroundTable(Table):
     """Projection of a footing beyond what stands on it, below which it is cut out of its support; else all of it, and 0 on the slab of a
     tower, wall, church or column."""
     added_mass: Annotated[Least, Unit("kg")] = 0.0
-    """Moves with the footing, spread over it."""
+    """Mass that moves with the footing, spread over it."""
     uplift: bool = False
     """Footings stand on a bed that bears nothing but pressure, instead of springs and dashpots: they may lift off. The bed has the
     stiffness of shifts along z and x, per area."""
