@@ -143,7 +143,7 @@ def build(
     if "peak_rotation" in base:
         lines.append(f"base: turns by up to {base['peak_rotation']:.3g} degrees; what is relative to a support turns with it")
     warnings = tuple(line for part in parts for line in part.warnings)
-    warnings += tuple(filter(None, (fill.beyond(each, velocity, grid) for each in fills)))
+    warnings += tuple(filter(None, (fill.beyond(each, velocity, grid) for each in fills if shaken)))
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)

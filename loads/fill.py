@@ -83,13 +83,16 @@ def beyond(fill: Fill, velocity: np.ndarray, grid: RunGrid) -> str:
         velocity: (N + 1, S, 3) of the supports [m/s].
     """
     assembly, k = grid.blocks(fill.where), fill.coefficients[fill.pressure]
-    level = np.diff(velocity[..., :2], axis=0) / grid.dt
-    size = float(np.sqrt((level**2).sum(axis=-1)).max(initial=0.0)) / math.hypot(*grid.gravity)
-    if fill.shaken(size)[0] <= k or not _thrusts(fill, assembly, math.hypot(*grid.gravity)):
+    level, gravity = np.diff(velocity[..., :2], axis=0) / grid.dt, math.hypot(*grid.gravity)
+    if not _thrusts(fill, assembly, gravity):
+        return ""
+    size = float(np.sqrt((level**2).sum(axis=-1)).max(initial=0.0)) / gravity
+    active = fill.shaken(size)[0]
+    if active <= k:
         return ""
     return (
-        f"{fill.where}: shaken by up to {size:.3g} g the fill presses walls and backs with K_AE = {fill.shaken(size)[0]:.3g} (Mononobe and "
-        f"Okabe), but the run applies at most K = {k:.3g}; check the walls in limit analysis with limit.push, which has K_AE"
+        f"{fill.where}: shaken by up to {size:.3g} g the fill presses walls and backs with K_AE = {active:.3g} (Mononobe and Okabe), "
+        f"but the run applies at most K = {k:.3g}; check the walls in limit analysis with limit.push, which has K_AE"
     )
 
 

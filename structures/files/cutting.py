@@ -160,9 +160,9 @@ def _heads(gmsh: Any, body: int, axis: int, course: int, plan: np.ndarray, cutti
         return np.zeros(0)
     first = cutting.origin[axis] + (course % 2) * cutting.shift
     places = first + cutting.unit * np.arange(-1, np.ceil(cutting.reach[axis] / cutting.unit) + 1)
-    room = NARROW * cutting.unit
-    inside = places[(places > box[axis] + room) & (places < box[axis + 3] - room)]
-    offsets = np.array([-room, -10.0 * cutting.tolerance, 10.0 * cutting.tolerance, room])
+    margin = NARROW * cutting.unit
+    inside = places[(places > box[axis] + margin) & (places < box[axis + 3] - margin)]
+    offsets = np.array([-margin, -10.0 * cutting.tolerance, 10.0 * cutting.tolerance, margin])
     other = next(k for k in cutting.plan if k != axis)
     column = cutting.plan.index(axis)
     lengths = [_length(plan, column, place + d, box[other], box[other + 3]) for place in inside for d in offsets]

@@ -41,7 +41,7 @@ class FoundationsTable(Table):
     x: int | Annotated[list[float], Unit("m")] | None = None
     """number of strips along x, or where to cut"""
     y: int | Annotated[list[float], Unit("m")] | None = None
-    """the same along y"""
+    """number of strips along y, or where to cut"""
 
 
 def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:

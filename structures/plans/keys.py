@@ -81,4 +81,4 @@ class StoreyTable(Table):
     height: WallHeight
     """height from its foot to that of the next, and of its walls where the drawing has no other"""
     floor: SlabTable | None = None
-    """floor over each of its rooms, { thickness = 0.25, mass = 400.0 }"""
+    """floor over each space that its walls enclose, { thickness = 0.25, mass = 400.0 }"""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""loads.signal.site_response: closed form of a layer on rock, soil that softens beside another program, and what a record says of it."""
+"""loads.signal.site_response: closed form of a layer on rock, soil that softens against another program, and the lines on a record."""
 
 from __future__ import annotations
 

@@ -7,7 +7,8 @@ instant. Where the kinetic energy falls the motion has passed equilibrium: it is
 damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; a tall tower would creep in steps that each began
 from rest. It has settled when a swing is short, or begins as fast as the last one did: that is rounding, or a slope without friction; or
 when it ends where a former one did: a stone then rattles between its neighbours, by no more than ROUND_TRIP. Stiff planes within stones,
-between rigid joints, shorten by so little that the tolerance moves stones as far: swings of less than UNSEEN at the last are rest as well.
+between rigid joints, shorten by so little that the tolerance moves stones as far: where the last swing and a hundredth of all of the
+settling are less than UNSEEN, it has settled as well.
 
 Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so the run
 begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads. Ties that are there from the start
@@ -28,7 +29,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 
 RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
 ROUND_TRIP = 1e-2  # share of all of the settling by which swings that go round and round may move a block
-UNSEEN = 1e-9  # swings that move no block by more are rest, once all steps are taken [m]: a run's violations add up to hundreds of these
+UNSEEN = 1e-9  # movement that counts as none once all steps are taken [m]: a run's violations add up to hundreds of these
 REMEMBERED = 8  # swings, to one of whose ends such a swing comes back
 LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still comes closer by a hundredth if it takes eleven times as many
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
@@ -66,7 +67,7 @@ def settle(stepper: Stepper) -> int:
         moved, ends = _farthest(trial, before), [*ends, before][-REMEMBERED:]
         back = moved <= ROUND_TRIP * sunk and any(_farthest(trial, end) <= SETTLED * sunk for end in ends)
         still = back or (first <= ROUNDED * sunk and first > 0.99 * last)
-    if not still and moved > UNSEEN:
+    if not still and max(moved, ROUND_TRIP * sunk) > UNSEEN:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
         under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
         tied = "; a tie with from_start = true holds it meanwhile" if _jacked(stepper).any() else ""

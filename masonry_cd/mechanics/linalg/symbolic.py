@@ -5,7 +5,7 @@ A matrix such as M + H^T R H has one (n, n) block per body and one per pair of b
 order that a minimum degree ordering gives (see ordering.py), looking left (George & Liu, Computer Solution of Large Sparse Positive
 Definite Systems, 1981). D has a dense square block per supernode, kept as its inverse, L and D U one dense panel each, so that most of the
 work is products of dense matrices with long inner loops. Panels are stored by columns of L: entry [k, i] belongs to column k of the
-supernode and row i below it. A symmetric matrix has U = L^T and no panel of D U; it uses Cholesky, which needs no more room than the
+supernode and row i below it. A symmetric matrix has U = L^T and no panel of D U; it uses Cholesky, which needs no more memory than the
 factors, in the precision of their arrays. Where there is hardly any fill-in (arches, towers, arcades) columns stay alone, their blocks one
 after another in plain unrolled loops, which takes a quarter of the time there.
 

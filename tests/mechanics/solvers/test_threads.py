@@ -16,7 +16,7 @@ def test_threads_grow_with_the_contacts_up_to_the_cores(monkeypatch: pytest.Monk
 
 
 def test_a_share_of_the_cores_is_kept_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    """OMP_NUM_THREADS bounds what is taken unasked, not what the scene asks for; what is not a number of threads is ignored."""
+    """OMP_NUM_THREADS bounds the default number of threads, not what a scene requests; a value that is not a number is ignored."""
     monkeypatch.setattr(options, "cores", lambda: 4)
     for value, taken in (("1", 1), ("3", 3), ("64", 4), ("", 4), ("many", 4), ("0", 1), ("4,2", 4)):
         monkeypatch.setenv("OMP_NUM_THREADS", value)
